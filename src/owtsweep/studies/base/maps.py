@@ -7,19 +7,14 @@ from functools import partial
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten, tell_counts
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.regret import tell_regret
 from owtsweep.results.status import FAILED
-from owtsweep.studies.base.contest import (
-    WAIT,
-    WINDOW,
-    C,
-    Contest,
-    ContestConfig,
-    describe_draws,
-)
+from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, describe_draws
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
 from owtsweep.studies.registry import list_schemes
@@ -28,11 +23,8 @@ from owtsweep.studies.registry import list_schemes
 LETTERS_PER_INCH = 9.5
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
     from rich.console import RenderableType
-
-    from owtsweep.results.cube import Cube
 
 
 def list_maps(
@@ -48,33 +40,40 @@ def list_maps(
     The latter shows single records, if there are several, by the key `criterion`. `contenders`
     names the schemes, the simplest first, if cells get records until they are decided.
     """
-    from owtsweep.figures import distributions, regret_map
+    from owtsweep.figures import best_scheme_map, distributions, regret_map, style
+
+    def save(draw: Callable[[], Figure]) -> Drawing:
+        return save_figure(partial(_add_origin, contest, config, draw), metadata)
 
     cube = make_cube(contest, config, rows, list_competing(config, rows))
+    conditions, records = contest.find_conditions(config), config.grid.describe_records()
     notes = [*tell_unable(cube.unable), *tell_latencies(config, rows)]
     failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
     drawings = {
-        f"map_{criterion}": save_figure(
+        f"map_{name}": save(
             partial(
-                _draw_map, contest, config, tables["best_scheme"], criterion, cube.schemes,
-                find_coinciding(cube, [criterion], contenders), failures, notes,
-            ),
-            metadata,
+                best_scheme_map.draw, tables["best_scheme"], cube.schemes, conditions,
+                criterion=name, window=WINDOW, tuning=config.tuning_name, quantity=criterion.title,
+                coinciding=find_coinciding(cube, [name], contenders), records=records,
+                failures=failures, notes=notes,
+            )
         )
-        for criterion in contest.criteria
-        if criterion in set(tables["best_scheme"]["criterion"])
+        for name, criterion in contest.criteria.items()
+        if name in set(tables["best_scheme"]["criterion"])
     }  # fmt: skip
-    drawings |= {
-        name: save_figure(partial(_draw_regret, contest, config, draw), metadata)
-        for name, draw in regret_map.list_maps(
-            tables, cube.schemes, contest.find_conditions(config), config.tuning_name,
-            config.grid.describe_records(),
-        ).items()
-    }  # fmt: skip
+    of_regret = regret_map.list_maps(tables, cube.schemes, conditions, config.tuning_name, records)
+    drawings |= {name: save(draw) for name, draw in of_regret.items()}
     if config.grid.first >= distributions.LEAST_RECORDS:
-        drawings[distributions.NAME] = save_figure(
-            partial(_draw_distributions, contest, config, cube), metadata
+        title = (
+            f"Errors of single records by {contest.criteria[config.criterion].title}\n"
+            f"{style.describe_window(WINDOW)}, tuning: {config.tuning_name}"
         )
+        drawings[distributions.NAME] = save(
+            lambda: distributions.draw(
+                distributions.collect(cube, config.criterion, WINDOW), cube.schemes,
+                cube.conditions, title=title, label="error",
+            )
+        )  # fmt: skip
     return drawings
 
 
@@ -149,62 +148,15 @@ def tell_latencies(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     return [f"In summary.csv, but not in the contest, because estimates wait: {text}."]
 
 
-def _draw_map(
-    contest: Contest[C],
-    config: C,
-    best: pd.DataFrame,
-    criterion: str,
-    schemes: Sequence[str],
-    coinciding: list[tuple[str, ...]],
-    failures: int,
-    notes: Sequence[str],
-) -> Figure:
-    from owtsweep.figures import best_scheme_map
-
-    figure = best_scheme_map.draw(
-        best,
-        schemes,
-        contest.find_conditions(config),
-        criterion=criterion,
-        window=WINDOW,
-        tuning=config.tuning_name,
-        quantity=contest.criteria[criterion].title,
-        coinciding=coinciding,
-        records=config.grid.describe_records(),
-        failures=failures,
-        notes=notes,
-    )
-    _add_origin(figure, contest, config)
-    return figure
-
-
-def _draw_regret(contest: Contest[C], config: C, draw: Callable[[], Figure]) -> Figure:
-    figure = draw()
-    _add_origin(figure, contest, config)
-    return figure
-
-
-def _draw_distributions(contest: Contest[C], config: C, cube: Cube) -> Figure:
-    from owtsweep.figures import distributions, style
-
-    figure = distributions.draw(
-        distributions.collect(cube, config.criterion, WINDOW),
-        cube.schemes,
-        cube.conditions,
-        title=f"Errors of single records by {contest.criteria[config.criterion].title}\n"
-        f"{style.describe_window(WINDOW)}, tuning: {config.tuning_name}",
-        label="error",
-    )
-    _add_origin(figure, contest, config)
-    return figure
-
-
-def _add_origin(figure: Figure, contest: Contest[C], config: C) -> None:
+def _add_origin(contest: Contest[C], config: C, draw: Callable[[], Figure]) -> Figure:
+    """Draw a figure, and write above it of what it is."""
     from owtsweep.figures import style
 
+    figure = draw()
     lines = [
         f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.",
         f"Sensors: {contest.describe_sensors(config)}.",
     ]
     letters = round(LETTERS_PER_INCH * figure.get_figwidth())
     style.add_origin(figure, "\n".join(fill(line, letters) for line in lines))
+    return figure
