@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,19 @@ Space = Mapping[str, Any]
 #: Computes the score of some values (parameter -> value). It may raise ArithmeticError or
 #: ValueError (so `InputError` and LinAlgError), if there is no score.
 Objective = Callable[[Plain], float]
+
+
+class Searched(NamedTuple):
+    """Numbers that are searched together.
+
+    schemes: All schemes that have them: the numbers shall serve all of them.
+    space: Key of the configuration -> its bounds and its scale.
+    counts: whether any estimate depends on the numbers under a configuration of one tuning.
+    """
+
+    schemes: Sequence[str]
+    space: Space
+    counts: Callable[[Any], bool] = lambda config: True
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.worlds import Departure, Untold
 from owtsweep.studies.blade.cases import Case, make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
@@ -21,13 +22,20 @@ from owtsweep.studies.blade.measures import Judged, compare
 from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.recorded_case import compare_withheld
 from owtsweep.studies.blade.schemes import SCHEMES
-from owtsweep.studies.blade.untold import list_untold
 
 #: Keys and sections of the configuration on which every row depends.
 CONTENT = ("seed", "record", "motion", "boom", "unit", "recorded", "sensors", "filters")
 #: Most records of a block, and most samples of its records: it keeps their measurements. To write
 #: and read the file of a block takes as long as a scheme takes for a record.
 MOST_RECORDS, MOST_SAMPLES = 4, 100_000
+#: Keys of the truth alone. Outages are left out, because what is judged follows from them, and
+#: errors of the start, which schemes are told as they are.
+UNTOLD = (
+    "grid.sigma", "grid.offset", "grid.lever", "grid.period", "grid.amplitude", "grid.heading",
+    "motion.freedoms", "motion.gust_time", "motion.bending", "motion.tugger", "unit.force_sigma",
+    "unit.force_bias", "unit.force_walk", "unit.rate_sigma", "unit.rate_bias", "unit.rate_walk",
+    "sensors.receiver", "sensors.prism_sigma", "sensors.prism_offset", "sensors.stretch",
+)  # fmt: skip
 UNITS = {
     "root": "m",
     "root_velocity": "m/s",
@@ -95,6 +103,33 @@ def _state(case: Case, estimates: Mapping[str, Estimates]) -> Stated:
     found = {"root": given.root, "root_velocity": given.root_velocity, "rotation": given.rotation}
     stated = {"root": given.root_covariance, "rotation": given.attitude_covariance}
     return Stated(found, {name: P for name, P in stated.items() if P is not None}, given.latency)
+
+
+def list_untold(config: BladeConfig) -> Untold:
+    """Return what schemes are not told; a world that moves an axis of the map is none.
+
+    A recorded lift is as it is.
+    """
+    if config.recorded.imu is not None:
+        return Untold()
+    swing = config.motion.freedoms["u"].period
+    departures = {
+        "red_fixes": Departure(
+            "slow errors of the fixes, .02 m with a time constant of 60 s",
+            {"sensors.receiver.red_sigma": 0.02},
+        ),
+        "reflections": Departure(
+            "fixes jump by some .05 m for 5 s, once a minute",
+            {"sensors.receiver.jump_every": 60.0},
+        ),
+        "late": Departure("time stamps of the fixes come .05 s late", {"grid.offset": 0.05}),
+        "lever": Departure("the antenna stands .05 m from where it should", {"grid.lever": 0.05}),
+        "longer_swing": Departure(
+            "the longitudinal swing takes a fifth longer", {"grid.period": 1.2 * swing}
+        ),
+    }
+    mapped = {f"grid.{axis}" for axis in config.axes}
+    return Untold(UNTOLD, {n: each for n, each in departures.items() if not mapped & {*each.keys}})
 
 
 DECLARATION = Declaration(

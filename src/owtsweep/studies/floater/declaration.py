@@ -13,6 +13,7 @@ from owtsweep.evaluation.estimate import Reading
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.worlds import Departure, Untold
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
@@ -20,7 +21,6 @@ from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import DRIFT_TIME, find_sigmas, measure, scale_accelerations
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
-from owtsweep.studies.floater.untold import list_untold
 from owtsweep.studies.floater.worlds import WORLDS
 
 #: Keys and sections of the configuration on which every row depends.
@@ -28,6 +28,12 @@ CONTENT = ("seed", "record", "motion", "sensors", "filters")
 #: Most records of a block, and most samples of its records: it keeps their measurements. To write
 #: and read the file of a block takes as long as a scheme takes for a record.
 MOST_RECORDS, MOST_SAMPLES = 10, 500_000
+#: Keys of the truth alone. The motion is left out: what schemes are told of it follows from the
+#: motion itself.
+UNTOLD = (
+    "grid.delay", "grid.bias", "grid.snr", "grid.loss", "sensors.bias_drift",
+    "sensors.process_snr", "sensors.loss_every", "sensors.loss_length", "sensors.jitter",
+)  # fmt: skip
 DEGREES = len(DOF)
 #: Signals of `contract.Measured` -> their units.
 SIGNALS = {
@@ -150,6 +156,28 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
             )
     found = {"position": given.position, "velocity": given.velocity}
     return Stated(found, covariances, given.latency)
+
+
+def list_untold(config: FloaterConfig) -> Untold:
+    """Return what schemes are not told; a world that moves an axis of the map is none."""
+    snr = config.grid.snr[0] - 6.0
+    departures = {
+        "jittering": Departure(
+            "reports are late or early by half a sample", {"sensors.jitter": 0.5}
+        ),
+        "drifting": Departure(
+            "biases drift by .3 of the accelerations' standard deviation in 100 s",
+            {"sensors.bias_drift": 0.3},
+        ),
+        "losing": Departure("half a second is lost in every 10 s", {"sensors.loss_every": 10.0}),
+        "late": Departure("reports come two samples late", {"grid.delay": 2.0}),
+        "biased": Departure(
+            "biases of .3 of the accelerations' standard deviation", {"grid.bias": 0.3}
+        ),
+        "noisy": Departure("twice the noise: 6 dB less", {"grid.snr": snr}),
+    }
+    mapped = {f"grid.{axis}" for axis in config.axes}
+    return Untold(UNTOLD, {n: each for n, each in departures.items() if not mapped & {*each.keys}})
 
 
 DECLARATION = Declaration(

@@ -18,6 +18,7 @@ from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.worlds import Departure, Untold
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, name_channel, tell
 from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.config import TowerConfig
@@ -28,7 +29,6 @@ from owtsweep.studies.tower.recorded import measure as compare_with_record
 from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.sight import require_sight
-from owtsweep.studies.tower.untold import UNTOLD
 
 logger = logging.getLogger(__name__)
 
@@ -37,6 +37,25 @@ CONTENT = (
     "seed", "structure", "record", "truth", "recorded", "wind", "waves", "sensors", "faults",
     "filters", "model", "fatigue",
 )  # fmt: skip
+#: What schemes are not told: worlds in which sensors are worse than assumed. Loads and structure
+#: are left out, and what an inclinometer or accelerometer feels besides: schemes are told sizes
+#: that follow from the motion and the signals themselves.
+UNTOLD = Untold(
+    ("faults.bias", "faults.drift", "faults.loss", "faults.loss_length"),
+    {
+        "biased": Departure(
+            "each channel has an offset of a tenth of its standard deviation", {"faults.bias": 0.1}
+        ),
+        "drifting": Departure(
+            "each channel drifts by a tenth of its standard deviation in 100 s",
+            {"faults.drift": 0.1},
+        ),
+        "outages": Departure(
+            "some 1 % of the samples repeat the last one, in outages of 100",
+            {"faults.loss": 1e-4, "faults.loss_length": 100},
+        ),
+    },
+)
 UNITS = {
     "displacement": "m and rad, translation and rotation of each node of the cut structure",
     "inputs": f"N and N m, {', '.join(INPUTS)} on the cut structure",

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from owtsweep.config import NotNegative, Positive, Section, key
-from owtsweep.studies.base.tuning.searched import Searched
+from owtsweep.studies.base.searching import Searched
 
 
 class Tuning(Section):

@@ -42,14 +42,14 @@ LISTED = {
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
         simplicity=26,  # 16 states, 4 loads; process, 2 sizes, length, 2 kinds of sensors
         ignores=SOIL,
-        module="matern",
+        module="akf",
     ),
     "AKF_MATERN32": Listed(
         "latent interface loads with smooth paths (Matern 3/2)",
         SchemeStyle("#117733", ">", (0, (8, 3))),
         simplicity=30,  # AKF_MATERN12; 4 rates of loads
         ignores=SOIL,
-        module="matern",
+        module="akf",
     ),
     "GDF": Listed(
         "Gillijns and De Moor's joint input-state filter on the substructure",

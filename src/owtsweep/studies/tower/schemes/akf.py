@@ -12,21 +12,32 @@ P^-_{k-1} in the prediction, where P_{k-1} belongs.
 - AKF_WHOLE, AKF_WHOLE_WAVE: the model is the whole turbine, on the assumed soil and with the
   rotor-nacelle. Unknown are force and moment of the wind on its top, and the wave load as in
   AKF_WAVE. Interface loads follow from the motion (see `models`).
+- AKF_MATERN12, AKF_MATERN32: latent interface loads, Gaussian processes with Matern kernels. With
+  the kernel Matern 1/2 the loads have an exponential correlation: walks that are pulled back to
+  zero. With Matern 3/2 they have smooth paths, whose rates are defined. Size and correlation time
+  are the tuning's `sigma` and `length`. Simpson et al. (2025, section 3) name such latent force
+  models as the way to go beyond the random walk of Eq. (23).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import Literal
 
 from owtsweep.estimation.augmented import make_augmented, make_lagged, make_steady
+from owtsweep.estimation.latent import make_latent
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import Setting
 from owtsweep.studies.tower.models import Model, model_cut, model_whole
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
     Settled,
+    noise_of_sensors,
+    noise_of_states,
     noises_of_walks,
     prior,
+    size_of_inputs,
 )
 
 
@@ -47,6 +58,18 @@ def tune_lagged(setting: Setting, model: Model) -> Settled:
     return make_lagged(model.discrete, *walks, prior(setting, model), lag)
 
 
+def tune_latent(setting: Setting, model: Model, kernel: Literal["matern12", "matern32"]) -> Settled:
+    """Make the filter of a model, with the tuning's sizes and correlation times of loads."""
+    return make_latent(
+        model.discrete,
+        noise_of_states(setting, model),
+        noise_of_sensors(setting),
+        kernel=kernel,
+        sigma=size_of_inputs(setting, model),
+        length=setting.priors.length[model.inputs],
+    )
+
+
 def add_wave(name: str, model: Callable[..., Model]) -> Callable[[Setting], Model]:
     """Return a maker of models with a wave load; `Unable` where the structure is in no water."""
 
@@ -64,3 +87,9 @@ AKF_STEADY = FilterScheme("AKF_STEADY", model_cut, tune_steady)
 AKF_LAGGED = FilterScheme("AKF_LAGGED", model_cut, tune_lagged)
 AKF_WHOLE = FilterScheme("AKF_WHOLE", model_whole, tune)
 AKF_WHOLE_WAVE = FilterScheme("AKF_WHOLE_WAVE", add_wave("AKF_WHOLE_WAVE", model_whole), tune)
+AKF_MATERN12 = FilterScheme(
+    "AKF_MATERN12", model_cut, partial(tune_latent, kernel="matern12"), any_input=False
+)
+AKF_MATERN32 = FilterScheme(
+    "AKF_MATERN32", model_cut, partial(tune_latent, kernel="matern32"), any_input=False
+)
