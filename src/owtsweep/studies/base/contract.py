@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import ClassVar, Generic, Protocol, TypeVar
 
@@ -45,6 +45,7 @@ Measured = TypeVar("Measured", contravariant=True)
 Estimates = TypeVar("Estimates", covariant=True)
 K = TypeVar("K")
 M = TypeVar("M")
+E = TypeVar("E")
 
 #: Most characters of a scheme's name: it stands in the cells and legends of figures.
 LONGEST_NAME = 60
@@ -122,6 +123,30 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
         require(isinstance(self.knows_motion, bool), "it lacks knows_motion (True or False)")
         check_simplicity(self.name, self.simplicity)
         str(self.version)  # a property that raises would do so in a sweep
+
+
+@dataclass(frozen=True)
+class Direct(Scheme[K, M, E]):
+    """A scheme by its name, and by what makes it ready for what it knows."""
+
+    name: str
+    make: Callable[[K], Ready[M, E]]
+
+    def prepare(self, known: K, /) -> Ready[M, E]:
+        """Make the scheme ready for what it knows."""
+        return self.make(known)
+
+
+@dataclass(frozen=True)
+class ByFunction(Generic[K, M, E]):
+    """A scheme made ready that is a function of what it knows and of the measurements."""
+
+    function: Callable[[K, M], E]
+    known: K
+
+    def run(self, measured: M, /) -> E:
+        """Estimate from the measurements of a record."""
+        return self.function(self.known, measured)
 
 
 @dataclass(frozen=True)

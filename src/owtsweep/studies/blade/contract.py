@@ -6,9 +6,8 @@ the blade's centre of gravity in its reference position. The body's frame is thi
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.studies.base import contract
 from owtsweep.studies.base.contract import Knowledge
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.tuning import Tuning
+from owtsweep.studies.blade.tuning import Tuning
 
 __all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
 
@@ -205,13 +202,5 @@ class Scheme(contract.Scheme[Setting, Measured, Estimates]):
     study = "blade"
 
 
-@dataclass(frozen=True)
-class Direct(Scheme):
-    """A scheme by its name, and by what makes it ready for a setting."""
-
-    name: str
-    make: Callable[[Setting], contract.Ready[Measured, Estimates]]
-
-    def prepare(self, known: Setting) -> contract.Ready[Measured, Estimates]:
-        """Make the scheme ready for a setting."""
-        return self.make(known)
+#: A scheme by its name, and by what makes it ready for a setting.
+Direct = contract.Direct[Setting, Measured, Estimates]

@@ -6,9 +6,7 @@ All arrays of a record begin with its samples. Columns are the degrees of freedo
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +14,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.studies.base import contract
 from owtsweep.studies.base.contract import Knowledge
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.tuning import Tuning
+from owtsweep.studies.floater.tuning import Tuning
 
 __all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
 
@@ -137,13 +133,5 @@ class Scheme(contract.Scheme[Setting, Measured, Estimates]):
     study = "floater"
 
 
-@dataclass(frozen=True)
-class Direct(Scheme):
-    """A scheme by its name, and by what makes it ready for a setting."""
-
-    name: str
-    make: Callable[[Setting], contract.Ready[Measured, Estimates]]
-
-    def prepare(self, known: Setting) -> contract.Ready[Measured, Estimates]:
-        """Make the scheme ready for a setting."""
-        return self.make(known)
+#: A scheme by its name, and by what makes it ready for a setting.
+Direct = contract.Direct[Setting, Measured, Estimates]

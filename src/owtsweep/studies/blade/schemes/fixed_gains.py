@@ -10,7 +10,7 @@ is delayed, and nothing is known before the record ends. The attitude is that of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,28 +19,21 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.double_integration import PADDING, integrate_twice, pass_high
 from owtsweep.estimation.inertial.complementary import blend_fixes, place_poles
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.blade.boom import estimate_boom
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import begin, locate_root, make_record
 
 
-@dataclass(frozen=True)
-class Complementary:
-    """The filter, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        setting = self.setting
-        s, _ = begin(setting)
-        interval = measured.step * float(np.diff(np.flatnonzero(measured.due)).max(initial=1))
-        alpha, beta = place_poles(find_crossover(setting, interval), interval)
-        states = np.empty((len(measured.rate), len(s)))
-        gains = (float(alpha), float(beta), 1.0 / setting.tuning.levelling)
-        blend_fixes(make_record(setting, measured), gains, s, states)
-        return Estimates(*locate_root(setting, measured, states))
+def complement(setting: Setting, measured: Measured) -> Estimates:
+    """Run the complementary filter on a record."""
+    s, _ = begin(setting)
+    interval = measured.step * float(np.diff(np.flatnonzero(measured.due)).max(initial=1))
+    alpha, beta = place_poles(find_crossover(setting, interval), interval)
+    states = np.empty((len(measured.rate), len(s)))
+    gains = (float(alpha), float(beta), 1.0 / setting.tuning.levelling)
+    blend_fixes(make_record(setting, measured), gains, s, states)
+    return Estimates(*locate_root(setting, measured, states))
 
 
 def find_crossover(setting: Setting, interval: float) -> float:
@@ -56,34 +49,28 @@ def find_crossover(setting: Setting, interval: float) -> float:
     return float(setting.tuning.crossover * (q / r) ** 0.25)
 
 
-@dataclass(frozen=True)
-class Chain:
-    """The filters, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from a record; `Unable` if it is not longer than the padding, or has no fix."""
-        steps, step = len(measured.rate), measured.step
-        geometry = self.setting.geometry
-        if steps * step <= PADDING:
-            raise Unable(f"the filter needs more than {PADDING:g} s of measurements")
-        rotation = Complementary(self.setting).run(measured).rotation
-        fixed = np.flatnonzero(np.isfinite(measured.fixes[:, 0]).all(axis=1))
-        if len(fixed) == 0:
-            raise Unable("there is no fix of the first antenna")
-        unit = measured.fixes[fixed, 0] - rotation[fixed] @ geometry.levers[0]
-        felt = np.einsum("nij,nj->ni", rotation, measured.specific_force)
-        place = merge(felt - [0.0, 0.0, GRAVITY], step, fixed, unit)
-        root = place + rotation @ geometry.to_root
-        boom = None if measured.boom is None else estimate_boom(measured.boom)
-        return Estimates(
-            root=root,
-            root_velocity=np.gradient(root, step, axis=0),
-            rotation=rotation,
-            latency=steps * step,
-            boom=boom,
-        )
+def integrate(setting: Setting, measured: Measured) -> Estimates:
+    """Estimate from a record; `Unable` if it is not longer than the padding, or has no fix."""
+    steps, step = len(measured.rate), measured.step
+    geometry = setting.geometry
+    if steps * step <= PADDING:
+        raise Unable(f"the filter needs more than {PADDING:g} s of measurements")
+    rotation = complement(setting, measured).rotation
+    fixed = np.flatnonzero(np.isfinite(measured.fixes[:, 0]).all(axis=1))
+    if len(fixed) == 0:
+        raise Unable("there is no fix of the first antenna")
+    unit = measured.fixes[fixed, 0] - rotation[fixed] @ geometry.levers[0]
+    felt = np.einsum("nij,nj->ni", rotation, measured.specific_force)
+    place = merge(felt - [0.0, 0.0, GRAVITY], step, fixed, unit)
+    root = place + rotation @ geometry.to_root
+    boom = None if measured.boom is None else estimate_boom(measured.boom)
+    return Estimates(
+        root=root,
+        root_velocity=np.gradient(root, step, axis=0),
+        rotation=rotation,
+        latency=steps * step,
+        boom=boom,
+    )
 
 
 def merge(acceleration: Array, step: float, at: NDArray[np.intp], positions: Array) -> Array:
@@ -99,5 +86,5 @@ def merge(acceleration: Array, step: float, at: NDArray[np.intp], positions: Arr
     return slow + pass_high(moved - slow, 1.0 / step)
 
 
-COMPLEMENTARY = Direct("COMPLEMENTARY", Complementary)
-DOUBLE_INTEGRATION = Direct("DOUBLE_INTEGRATION", Chain)
+COMPLEMENTARY = Direct("COMPLEMENTARY", partial(ByFunction, complement))
+DOUBLE_INTEGRATION = Direct("DOUBLE_INTEGRATION", partial(ByFunction, integrate))

@@ -7,7 +7,7 @@ INVARIANT_EKF is the left-invariant extended Kalman filter with biases.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,36 +16,25 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.invariant import filter_invariant
 from owtsweep.estimation.inertial.strapdown import ERRORS
 from owtsweep.estimation.inertial.unscented import filter_unscented
+from owtsweep.studies.base.contract import ByFunction
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import Found, begin, make_record, make_room, report
 
 
-@dataclass(frozen=True)
-class Unscented:
-    """The unscented filter, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        found = _filter(filter_unscented, self.setting, measured, begin(self.setting))
-        return report(self.setting, measured, found)
+def run_unscented(setting: Setting, measured: Measured) -> Estimates:
+    """Run the unscented filter on a record."""
+    found = _filter(filter_unscented, setting, measured, begin(setting))
+    return report(setting, measured, found)
 
 
-@dataclass(frozen=True)
-class Invariant:
-    """The invariant filter, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        s, P = begin(self.setting)
-        turn = _turn_errors(s[None])[0]
-        found = _filter(filter_invariant, self.setting, measured, (s, turn.T @ P @ turn))
-        turn = _turn_errors(found.states)
-        at_rest = turn @ found.covariances @ turn.transpose(0, 2, 1)
-        return report(self.setting, measured, found._replace(covariances=at_rest))
+def run_invariant(setting: Setting, measured: Measured) -> Estimates:
+    """Run the invariant filter on a record."""
+    s, P = begin(setting)
+    turn = _turn_errors(s[None])[0]
+    found = _filter(filter_invariant, setting, measured, (s, turn.T @ P @ turn))
+    turn = _turn_errors(found.states)
+    at_rest = turn @ found.covariances @ turn.transpose(0, 2, 1)
+    return report(setting, measured, found._replace(covariances=at_rest))
 
 
 def _filter(
@@ -65,5 +54,5 @@ def _turn_errors(states: Array) -> Array:
     return turn
 
 
-UKF = Direct("UKF", Unscented)
-INVARIANT_EKF = Direct("INVARIANT_EKF", Invariant)
+UKF = Direct("UKF", partial(ByFunction, run_unscented))
+INVARIANT_EKF = Direct("INVARIANT_EKF", partial(ByFunction, run_invariant))

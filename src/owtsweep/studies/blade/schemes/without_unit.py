@@ -9,34 +9,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.wahba import carry_point, find_pose
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.blade.contract import PRISMS, ROOT, Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import require_antennas
 
 
-@dataclass(frozen=True)
-class Hold:
-    """Holding, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        (position, _), rotation = self.setting.start
-        geometry = self.setting.geometry
-        given = position + rotation @ geometry.levers[0]
-        fix = hold_last(measured.fixes[:, 0], given)
-        return Estimates(
-            root=fix + rotation @ (geometry.root - geometry.antennas[0]),
-            root_velocity=np.zeros_like(fix),
-            rotation=np.broadcast_to(rotation, (len(fix), 3, 3)),
-        )
+def hold(setting: Setting, measured: Measured) -> Estimates:
+    """Hold the last fix."""
+    (position, _), rotation = setting.start
+    geometry = setting.geometry
+    given = position + rotation @ geometry.levers[0]
+    fix = hold_last(measured.fixes[:, 0], given)
+    return Estimates(
+        root=fix + rotation @ (geometry.root - geometry.antennas[0]),
+        root_velocity=np.zeros_like(fix),
+        rotation=np.broadcast_to(rotation, (len(fix), 3, 3)),
+    )
 
 
 def hold_last(values: Array, given: Array) -> Array:
@@ -48,55 +42,43 @@ def hold_last(values: Array, given: Array) -> Array:
     return held
 
 
-@dataclass(frozen=True)
-class Geometry:
-    """The least squares, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        (position, _), given = self.setting.start
-        geometry = self.setting.geometry
-        origin, rotation = find_pose(geometry.antennas, measured.fixes)
-        rotation = hold_last(rotation, given)
-        root = hold_last(
-            carry_point(origin, rotation, geometry.root), position + given @ geometry.to_root
-        )
-        return Estimates(root=root, root_velocity=np.zeros_like(root), rotation=rotation)
+def solve_antennas(setting: Setting, measured: Measured) -> Estimates:
+    """Solve Wahba's problem of the antennas; between fixes the last pose stands."""
+    (position, _), given = setting.start
+    geometry = setting.geometry
+    origin, rotation = find_pose(geometry.antennas, measured.fixes)
+    rotation = hold_last(rotation, given)
+    root = hold_last(
+        carry_point(origin, rotation, geometry.root), position + given @ geometry.to_root
+    )
+    return Estimates(root=root, root_velocity=np.zeros_like(root), rotation=rotation)
 
 
-def prepare_geometry(setting: Setting) -> Geometry:
+def prepare_antennas(setting: Setting) -> ByFunction[Setting, Measured, Estimates]:
     """Make the least squares ready for a setting; `Unable` without three antennas."""
     require_antennas(setting, 3)
-    return Geometry(setting)
+    return ByFunction(solve_antennas, setting)
 
 
-@dataclass(frozen=True)
-class Stations:
-    """The least squares, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        if len(measured.prisms) == 0:
-            raise Unable("needs total stations, and the record has none")
-        steps, step = len(measured.rate), measured.step
-        time = step * np.arange(steps)
-        flat = measured.prisms.reshape(len(measured.prisms), -1)
-        columns = [np.interp(time, measured.prism_times, column) for column in flat.T]
-        points = np.column_stack(columns).reshape(steps, *PRISMS.shape)
-        origin, rotation = find_pose(PRISMS, points, about="first")
-        root = carry_point(origin, rotation, ROOT)
-        return Estimates(
-            root=root,
-            root_velocity=np.gradient(root, step, axis=0),
-            rotation=rotation,
-            latency=float(np.diff(measured.prism_times).max()),
-        )
+def solve_prisms(setting: Setting, measured: Measured) -> Estimates:
+    """Solve Wahba's problem of the prisms; `Unable` without total stations."""
+    if len(measured.prisms) == 0:
+        raise Unable("needs total stations, and the record has none")
+    steps, step = len(measured.rate), measured.step
+    time = step * np.arange(steps)
+    flat = measured.prisms.reshape(len(measured.prisms), -1)
+    columns = [np.interp(time, measured.prism_times, column) for column in flat.T]
+    points = np.column_stack(columns).reshape(steps, *PRISMS.shape)
+    origin, rotation = find_pose(PRISMS, points, about="first")
+    root = carry_point(origin, rotation, ROOT)
+    return Estimates(
+        root=root,
+        root_velocity=np.gradient(root, step, axis=0),
+        rotation=rotation,
+        latency=float(np.diff(measured.prism_times).max()),
+    )
 
 
-HOLD = Direct("HOLD", Hold)
-GNSS_WAHBA = Direct("GNSS_WAHBA", prepare_geometry)
-TOTAL_STATIONS = Direct("TOTAL_STATIONS", Stations)
+HOLD = Direct("HOLD", partial(ByFunction, hold))
+GNSS_WAHBA = Direct("GNSS_WAHBA", prepare_antennas)
+TOTAL_STATIONS = Direct("TOTAL_STATIONS", partial(ByFunction, solve_prisms))

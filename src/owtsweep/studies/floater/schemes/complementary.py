@@ -15,10 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes.linear import (
-    ANGLES,
-    read_inputs,
-)
+from owtsweep.studies.floater.schemes.linear import ANGLES, part_columns, read_inputs
 from owtsweep.studies.floater.schemes.printed import find_start
 
 #: The fastest crossover, as a part of the sampling frequency in rad/s: a filter that follows each
@@ -47,9 +44,7 @@ class Complementary:
                 blend_acceleration(
                     position[i], acceleration[i], measured.step, gains, start[i], found[i]
                 )
-        return Estimates(
-            np.ascontiguousarray(found[:, :, 0].T), np.ascontiguousarray(found[:, :, 1].T)
-        )
+        return Estimates(*part_columns(found))
 
 
 def find_crossover(setting: Setting, column: int) -> float:

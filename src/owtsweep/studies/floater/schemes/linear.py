@@ -56,11 +56,15 @@ class Linear:
         return record, noises, np.column_stack([*setting.motion_sigma[:2], bias])
 
 
+def part_columns(estimate: Array) -> tuple[Array, Array]:
+    """Return positions and velocities, (steps, 6) each, of estimates (6, steps, 2)."""
+    return np.ascontiguousarray(estimate[:, :, 0].T), np.ascontiguousarray(estimate[:, :, 1].T)
+
+
 def report(found: Found, latency: float = 0.0) -> Estimates:
     """Return what a filter found, columns last."""
     return Estimates(
-        position=np.ascontiguousarray(found.estimate[:, :, 0].T),
-        velocity=np.ascontiguousarray(found.estimate[:, :, 1].T),
+        *part_columns(found.estimate),
         covariance=found.covariance.transpose(1, 0, 2, 3),
         nis=found.nis.T,
         latency=latency,

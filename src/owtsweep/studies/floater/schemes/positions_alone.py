@@ -16,12 +16,13 @@ the waves in any case.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import hold, keep_reports
 from owtsweep.studies.floater.schemes.printed import find_start
@@ -37,26 +38,20 @@ ABOVE = 1.22
 FASTEST = 0.6
 
 
-@dataclass(frozen=True)
-class LowPass:
-    """The filter, made ready for one setting."""
+def smooth(setting: Setting, measured: Measured) -> Estimates:
+    """Estimate from the reports of a record, by a low-pass filter."""
+    from scipy.signal import butter, lfilter, lfilter_zi
 
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the reports of a record."""
-        from scipy.signal import butter, lfilter, lfilter_zi
-
-        setting, step = self.setting, measured.step
-        reported = hold(keep_reports(setting, measured))
-        position = np.empty_like(reported)
-        best = balance_lag_and_noise(setting) / (2.0 * np.pi)
-        for column, cutoff in enumerate(np.minimum(setting.tuning.cutoff * best, MOST / step)):
-            b, a = butter(2, cutoff, fs=1.0 / step)
-            begin = lfilter_zi(b, a) * reported[0, column]
-            position[:, column] = lfilter(b, a, reported[:, column], zi=begin)[0]
-        velocity = np.diff(position, axis=0, prepend=position[:1]) / step
-        return Estimates(position, velocity)
+    step = measured.step
+    reported = hold(keep_reports(setting, measured))
+    position = np.empty_like(reported)
+    best = balance_lag_and_noise(setting) / (2.0 * np.pi)
+    for column, cutoff in enumerate(np.minimum(setting.tuning.cutoff * best, MOST / step)):
+        b, a = butter(2, cutoff, fs=1.0 / step)
+        begin = lfilter_zi(b, a) * reported[0, column]
+        position[:, column] = lfilter(b, a, reported[:, column], zi=begin)[0]
+    velocity = np.diff(position, axis=0, prepend=position[:1]) / step
+    return Estimates(position, velocity)
 
 
 def balance_lag_and_noise(setting: Setting) -> Array:
@@ -119,5 +114,5 @@ def prepare_observer(setting: Setting) -> PassiveObserver:
     return PassiveObserver(setting, waves, gains)
 
 
-LOWPASS = Direct("LOWPASS", LowPass)
+LOWPASS = Direct("LOWPASS", partial(ByFunction, smooth))
 PASSIVE_OBSERVER = Direct("PASSIVE_OBSERVER", prepare_observer)

@@ -13,6 +13,7 @@ is left out.) The gain of KF_STEADY does not change, so it cannot leave out a lo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -24,9 +25,9 @@ from owtsweep.estimation.kinematic_predictor import (
     predict_varying,
     solve_steady,
 )
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes.linear import ANGLES, read_inputs
+from owtsweep.studies.floater.schemes.linear import ANGLES, part_columns, read_inputs
 
 #: By what R is multiplied in a loss.
 LOSS = 1e20
@@ -53,8 +54,7 @@ class SteadyPredictor:
             )  # fmt: skip
         predict_ahead(self.setting, estimate, acceleration)
         return Estimates(
-            np.ascontiguousarray(estimate[:, :, 0].T),
-            np.ascontiguousarray(estimate[:, :, 1].T),
+            *part_columns(estimate),
             self.covariance[None],
             nis.T,
         )
@@ -77,33 +77,25 @@ def prepare_steady(setting: Setting) -> SteadyPredictor:
     return SteadyPredictor(setting, gain, covariance)
 
 
-@dataclass(frozen=True)
-class VaryingPredictor:
-    """The predictor made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        setting = self.setting
-        position, acceleration, rate = read_inputs(setting, measured)
-        factor = np.where(np.all(position == 0.0, axis=0), LOSS, 1.0)
-        estimate, nis = np.empty((*position.shape, 2)), np.empty(position.shape)
-        covariance = np.empty((*position.shape, 2, 2))
-        start, before = begin(setting, position)
-        for i, Q in enumerate(process_noise(setting)):
-            R = output_noise(setting, i)
-            predict_varying(
-                position[i], acceleration[i], rate[i], measured.step, Q, np.resize(R, 2), factor,
-                start[i], before[i], (estimate[i], covariance[i], nis[i]),
-            )  # fmt: skip
-        predict_ahead(setting, estimate, acceleration)
-        return Estimates(
-            np.ascontiguousarray(estimate[:, :, 0].T),
-            np.ascontiguousarray(estimate[:, :, 1].T),
-            covariance.transpose(1, 0, 2, 3),
-            nis.T,
-        )
+def predict_all(setting: Setting, measured: Measured) -> Estimates:
+    """Predict with gains that vary from sample to sample."""
+    position, acceleration, rate = read_inputs(setting, measured)
+    factor = np.where(np.all(position == 0.0, axis=0), LOSS, 1.0)
+    estimate, nis = np.empty((*position.shape, 2)), np.empty(position.shape)
+    covariance = np.empty((*position.shape, 2, 2))
+    start, before = begin(setting, position)
+    for i, Q in enumerate(process_noise(setting)):
+        R = output_noise(setting, i)
+        predict_varying(
+            position[i], acceleration[i], rate[i], measured.step, Q, np.resize(R, 2), factor,
+            start[i], before[i], (estimate[i], covariance[i], nis[i]),
+        )  # fmt: skip
+    predict_ahead(setting, estimate, acceleration)
+    return Estimates(
+        *part_columns(estimate),
+        covariance.transpose(1, 0, 2, 3),
+        nis.T,
+    )
 
 
 def process_noise(setting: Setting) -> Array:
@@ -160,4 +152,4 @@ def find_start(reported: Array) -> Array:
 
 
 KF_STEADY = Direct("KF_STEADY", prepare_steady)
-KF = Direct("KF", VaryingPredictor)
+KF = Direct("KF", partial(ByFunction, predict_all))
