@@ -1,16 +1,29 @@
-"""A table for the terminal whose texts are not cut: what does not fit goes on below."""
+"""Tables for the terminal: one with a title, one that goes on below where it does not fit."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderResult
+    from rich.table import Table
 
 #: Spaces between two columns; the last of them is the column line of rich's box.
 GAP = 2
+
+
+def start_table(title: str, **more: Any) -> Table:
+    """Return a table with a title and no column yet; the title is shown as typed."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    return Table(
+        title=Text(title), title_style="bold", title_justify="left", box=box.SIMPLE,
+        header_style="", **more,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
+from owtsweep.io.parted_table import start_table
 from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth
@@ -17,7 +19,6 @@ from owtsweep.studies.tower.placement import Choice, Criterion
 from owtsweep.studies.tower.placement_case import PlacementCase
 
 if TYPE_CHECKING:
-    import pandas as pd
     from rich.console import RenderableType
     from rich.table import Table
 
@@ -62,8 +63,6 @@ class PlacedSensors:
 
     def table(self) -> pd.DataFrame:
         """Return a row for each number of inclinometers, in SI units and shares."""
-        import pandas as pd
-
         return pd.DataFrame(
             {
                 "inclinometers": len(choice.chosen),
@@ -152,19 +151,11 @@ class PlacedSensors:
         return f"{word.capitalize()}{more} inclinometer{verb}"
 
     def _make_table(self) -> Table:
-        from rich import box
-        from rich.table import Table
         from rich.text import Text
 
         unit = QUANTITIES[self.quantity][1]
-        table = Table(
-            title=Text(f"Standard deviation σ of the error of {self._name_quantity()}"),
-            title_style="bold",
-            title_justify="left",
-            box=box.SIMPLE,
-            header_style="",
-            padding=(0, 1, 0, 0),
-        )
+        title = f"Standard deviation σ of the error of {self._name_quantity()}"
+        table = start_table(title, padding=(0, 1, 0, 0))
         table.add_column("number", justify="right", no_wrap=True)
         table.add_column("heights (m)")
         weld = ["weld (m)"] if self.quantity == "stress" else []

@@ -14,14 +14,14 @@ from owtsweep._version import __version__
 from owtsweep.arrays import Array
 from owtsweep.config import Plain, as_mapping, with_values
 from owtsweep.errors import require
+from owtsweep.io.parted_table import start_table
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import AnyContest
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.base.schemes import list_names
-from owtsweep.studies.base.searching import attempt, search
-from owtsweep.studies.base.tuning.searched import Searched
+from owtsweep.studies.base.searching import Searched, attempt, search
 from owtsweep.studies.base.tuning.training import Training, choose_cells
 
 if TYPE_CHECKING:
@@ -180,22 +180,17 @@ class TunedStudy:
         ]
 
     def judge(self) -> RenderableType:
-        from rich import box
         from rich.console import Group
-        from rich.table import Table
         from rich.text import Text
 
         config = self.before
         criterion = self.contest.criteria[config.criterion]
         cells = choose_cells(self.contest, config)
         others = Training(self.declaration, config, cells, config.seed, config.tune.replicates)
-        table = Table(
-            title=Text(
-                f"{criterion.title}\n{_count_cells(cells)}, {config.tune.replicates} records each, "
-                f"seed {config.seed}"
-            ),
-            box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
-        )  # fmt: skip
+        table = start_table(
+            f"{criterion.title}\n{_count_cells(cells)}, {config.tune.replicates} records each, "
+            f"seed {config.seed}"
+        )
         for column in ("scheme", config.tuning_name, "tuned", "change", "95 %"):
             table.add_column(column, justify="left" if column == "scheme" else "right")
         for name in dict.fromkeys(name for part in self.parts for name in part.schemes):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.figures.drawings import save_figure
+from owtsweep.io.parted_table import start_table
 from owtsweep.io.tables import write_table
 from owtsweep.results.conditions import show_value
 from owtsweep.studies.base.varying.errors import Errors
@@ -86,15 +87,10 @@ def _list_first(errors: Errors, cell: int) -> Table:
 
 
 def _start_table(errors: Errors, cell: int) -> Table:
-    from rich import box
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(
-        title=Text(f"Settled {errors.title} over {errors.along.title}; {errors.cells[cell]}"),
-        box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
-        padding=(0, 1, 0, 0),
-    )  # fmt: skip
+    title = f"Settled {errors.title} over {errors.along.title}; {errors.cells[cell]}"
+    table = start_table(title, padding=(0, 1, 0, 0))
     # Numbers are never cut: ten columns of them fit into 80 characters.
     table.add_column(Text(errors.along.unit or "value"), justify="right", overflow="fold")
     return table

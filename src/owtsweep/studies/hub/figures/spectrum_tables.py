@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from owtsweep.figures.drawings import save_figure
+from owtsweep.io.parted_table import start_table
 from owtsweep.io.tables import write_table
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
@@ -78,13 +78,10 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
 
 def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
     """Make a table for the terminal of what `floors` returns: root mean squares, cm and cm/s."""
-    table = Table(
-        title=Text(
-            f"Settled error from noise alone, rms of x + y, tuning {config.tuning_name}\n"
-            f"Truth: {describe_truth(config)}; no record is needed"
-        ),
-        box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
-    )  # fmt: skip
+    table = start_table(
+        f"Settled error from noise alone, rms of x + y, tuning {config.tuning_name}\n"
+        f"Truth: {describe_truth(config)}; no record is needed"
+    )
     table.add_column("scheme")
     table.add_column("of")
     for source in (*SOURCES, "all"):

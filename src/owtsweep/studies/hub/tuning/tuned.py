@@ -13,6 +13,7 @@ from owtsweep._version import __version__
 from owtsweep.arrays import Array
 from owtsweep.config import Plain, as_mapping, with_values
 from owtsweep.errors import require
+from owtsweep.io.parted_table import start_table
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import TUNED, HubConfig
@@ -107,22 +108,17 @@ class TunedSchemes:
         ]
 
     def judge(self) -> RenderableType:
-        from rich import box
         from rich.console import Group
-        from rich.table import Table
         from rich.text import Text
 
         config = self.before
         gains = judge(config, self.after, list(self.best))
         bound, unit = kalman_bound(config), self._unit()
-        table = Table(
-            title=Text(
-                f"Mean square error of {config.measures.criterion}, {config.tuning_name} and tuned,"
-                f" amplitudes {_range(config)}\nTruth: {describe_truth(config)}; "
-                f"{config.tune.replicates} records per natural period, seed {config.seed}"
-            ),
-            box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
-        )  # fmt: skip
+        table = start_table(
+            f"Mean square error of {config.measures.criterion}, {config.tuning_name} and tuned,"
+            f" amplitudes {_range(config)}\nTruth: {describe_truth(config)}; "
+            f"{config.tune.replicates} records per natural period, seed {config.seed}"
+        )
         for column in ("scheme", f"{config.tuning_name} ({unit})", f"tuned ({unit})", "change"):
             table.add_column(column, justify="left" if column == "scheme" else "right")
         table.add_column("95 %", justify="right")
