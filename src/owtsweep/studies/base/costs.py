@@ -30,12 +30,13 @@ def predict(
     """
     if any(block.content["scheme"] not in costs.schemes for block in blocks):
         return None
-    records = {block.group: _count_records(block) for block in blocks}  # shared by its schemes
-    each = sum(costs.schemes[block.content["scheme"]] * _count_records(block) for block in blocks)
+    records = {block.group: count_records(block) for block in blocks}  # shared by its schemes
+    each = sum(costs.schemes[block.content["scheme"]] * count_records(block) for block in blocks)
     seconds = samples * (costs.record * sum(records.values()) + each)
     return seconds, costs.memory * (workers + 1)  # the sweep's own process, and its workers'
 
 
-def _count_records(block: Block) -> int:
+def count_records(block: Block) -> int:
+    """Return how many records a block has."""
     first, stop = block.content["replicates"]
     return int(stop) - int(first)

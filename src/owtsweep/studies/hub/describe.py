@@ -245,6 +245,15 @@ def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False)
     return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)
 
 
+def judge_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
+    """Return a table summary with its columns of efficiency, if the configuration asks for them."""
+    if not config.measures.efficiency:
+        return summary
+    from owtsweep.studies.hub.bounds.cells import add_efficiency
+
+    return add_efficiency(summary, config)
+
+
 def find_alike(config: HubConfig, rows: pd.DataFrame) -> list[tuple[str, ...]]:
     """Find groups of schemes with equal results; the last of a group stands for it on a map."""
     contenders = [*SCHEMES.rank(config)] if config.grid.decides else ()

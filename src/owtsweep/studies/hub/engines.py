@@ -20,6 +20,7 @@ from owtsweep.results.regret import Judged, make_regret, tell_regret
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
+from owtsweep.studies.base.costs import count_records
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes
@@ -38,6 +39,7 @@ from owtsweep.studies.hub.describe import (
     describe_sensors,
     describe_truth,
     find_winners,
+    judge_efficiency,
     make_cube,
     tell_not_asked,
     tell_window,
@@ -159,6 +161,7 @@ class RecordsEngine(DeclaredBlocks, _Engine):
     """The engine for the keys engine=batch and engine=reference: runs schemes on records."""
 
     samples = True
+    drawings = staticmethod(listing.drawings)
 
     def __init__(self, world: World) -> None:
         _Engine.__init__(self, world)
@@ -173,15 +176,6 @@ class RecordsEngine(DeclaredBlocks, _Engine):
             return spectrum_tables.curves(error_spectra.compute(config))
         except InputError:  # no scheme has one
             return None
-
-    def drawings(
-        self,
-        config: HubConfig,
-        tables: Mapping[str, pd.DataFrame],
-        rows: pd.DataFrame,
-        metadata: Mapping[str, str] | None = None,
-    ) -> dict[str, Drawing]:
-        return listing.DRAWINGS[self.world.name](config, tables, rows, metadata)
 
     def backend(self, config: HubConfig) -> str:
         """Return "threading" if compiled kernels, which release the GIL, run all; else "loky".
@@ -225,7 +219,7 @@ class RecordsEngine(DeclaredBlocks, _Engine):
             window, baselines = config.measures.window, list_baselines(config)
             best = find_best_schemes(cube, window, judged, baselines)
         ratios = compare_with_best(cube, best, JUDGED)
-        summary = _add_efficiency(summary, config)
+        summary = judge_efficiency(summary, config)
         return {"summary": summary, "best_scheme": best, "ratios": ratios}
 
     def make_regret(
@@ -247,7 +241,7 @@ class ExpectedEngine(_Engine):
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         tables = answers.tables(config, rows)
-        return {**tables, "summary": _add_efficiency(tables["summary"], config)}
+        return {**tables, "summary": judge_efficiency(tables["summary"], config)}
 
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
@@ -270,15 +264,6 @@ def _tell_bound(config: HubConfig) -> list[str]:
         f"{judged.show(float(judged.express(bound)))}. Less takes knowledge of the motion, which "
         "SKFA learns (measures.efficiency=true), or chance."
     ]
-
-
-def _add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
-    """Return a table summary with its columns of efficiency, if the configuration asks for them."""
-    if not config.measures.efficiency:
-        return summary
-    from owtsweep.studies.hub.bounds.cells import add_efficiency
-
-    return add_efficiency(summary, config)
 
 
 #: Value of the key `engine` -> class of the engine.
@@ -311,14 +296,9 @@ def predict_cost(
         if not all(uses_kernels(part, scheme) for scheme in schemes):
             return None
     steps = config.record.duration * config.sensors.imu.rate
-    records = sum(_count_records(block) for block in blocks)
-    moved = {block.group: _count_records(block) for block in blocks}
+    records = sum(count_records(block) for block in blocks)
+    moved = {block.group: count_records(block) for block in blocks}
     motion = find_world(config).seconds_per_step * steps * sum(moved.values())
     each = min(PER_STEP * steps * REPLICATES_PER_BLOCK, MOST_OF_WORKER)
     tables = sum(count_table_bytes(part) for part in config.by_tuning().values())
     return motion + SECONDS_PER_STEP * steps * records, PROCESS + workers * each + tables
-
-
-def _count_records(block: Block) -> int:
-    first, stop = block.content["replicates"]
-    return int(stop) - int(first)

@@ -25,6 +25,7 @@ from owtsweep.studies.hub.describe import (
     describe_origin,
     find_alike,
     find_winners,
+    judge_efficiency,
     make_cube,
     tell_window,
 )
@@ -65,47 +66,24 @@ def drawings(
 ) -> dict[str, Drawing]:
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
-    Some show the run's results. The others are simulated from its configuration.
+    Some show the run's results, in maps for all conditions off their axes. The others are simulated
+    from its configuration.
 
     rows: the run's rows, including those of failed schemes.
     metadata: texts by name to store inside the figures' files.
     """
-    records = config.grid.describe_records()
-    summary = _share_records(config, rows) if config.grid.decides else tables["summary"]
-    same = find_alike(config, rows)
-    best = partial(draw_cells, config, tables, rows, coinciding=same, records=records)
-    results = {
-        **maps(config, best),
-        **over_amplitude(config, summary, set(summary["natural_period"]), same),
-        **list_efficiency(config, summary),
-        **list_distributions(config, rows),
-    }
-    return {
-        **save_each(results | _list_regret(config, tables), describe_origin(config), metadata),
-        **save_each(_illustrations(config, same), describe_one_record(config), metadata),
-    }
-
-
-def drawings_of_plant(
-    config: HubConfig,
-    tables: Mapping[str, pd.DataFrame],
-    rows: pd.DataFrame,
-    metadata: Mapping[str, str] | None = None,
-) -> dict[str, Drawing]:
-    """List all figures of a run with motion=plant, with maps for all conditions off their axes."""
-    records, same = (
-        config.grid.describe_records(),
-        find_alike(config, rows),
-    )
+    records, same = config.grid.describe_records(), find_alike(config, rows)
     found: dict[str, Draw] = {}
     for end, at in list_maps(config).items():
         best = partial(draw_cells, config, tables, rows, coinciding=same, records=records, at=at)
         found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
+    if find_world(config).has_spectrum:
+        summary = _share_records(config, rows) if config.grid.decides else tables["summary"]
+        found |= over_amplitude(config, summary, set(summary["natural_period"]), same)
+        found |= {**list_efficiency(config, summary), **list_distributions(config, rows)}
     return {
         **save_each(found | _list_regret(config, tables), describe_origin(config), metadata),
-        **save_each(
-            _record(config) | _time_histories(config), describe_one_record(config), metadata
-        ),
+        **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
 
@@ -114,15 +92,7 @@ def _share_records(config: HubConfig, rows: pd.DataFrame) -> pd.DataFrame:
     from owtsweep.results.summary import summarise
 
     summary = summarise(make_cube(config, rows, baselines=True), shared=True)
-    if not config.measures.efficiency:
-        return summary
-    from owtsweep.studies.hub.bounds.cells import add_efficiency
-
-    return add_efficiency(summary, config)
-
-
-#: Name of a world -> the function that lists the figures of a run.
-DRAWINGS = {"spectrum": drawings, "plant": drawings_of_plant}
+    return judge_efficiency(summary, config)
 
 
 def save_each(
@@ -265,13 +235,12 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
     """List the figures that need the configuration alone: record, spectrum, histories, errors."""
-    from owtsweep.studies.hub.figures import error_spectra
+    found = _record(config) | _time_histories(config)
+    if find_world(config).has_spectrum:
+        from owtsweep.studies.hub.figures import error_spectra
 
-    return {
-        **_record(config),
-        **_time_histories(config),
-        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
-    }
+        found["error_spectra"] = partial(error_spectra.draw, config, coinciding=coinciding)
+    return found
 
 
 def _record(config: HubConfig) -> dict[str, Draw]:
