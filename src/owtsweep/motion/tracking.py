@@ -1,57 +1,34 @@
 """Finds the spectrum of a motion while it goes on, from the specific force along an axis.
 
-The candidates are the spectra of Eq. (1) of Ren et al. (2019), translated, on a grid of natural
-periods, half-bandwidths and variances. At each look, the likelihood of the candidates is computed
-from the periodogram of the last minutes: the Whittle likelihood (Whittle 1953, "Estimation and
-information in stationary time series", Ark. Mat. 2, 423), as in `motion.whittle`, which fits one
-spectrum to a whole record. The shape is taken from the last four minutes, and the variance from the
-last minute alone, so that a sea that grows or falls is followed.
+At each look, the likelihood of seas (`motion.candidates`) is computed from what was measured in the
+last minutes. Their shape is taken from the last four minutes, and the variances from the last
+minute alone, so that a sea that grows or falls is followed.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.spectra import translated
+from owtsweep.motion.candidates import Candidate, Fixes, Force, Sea, Stretch, find_ordinates, pick
 
-#: Natural periods (s), squared half-bandwidths (s^-2) and variances (m^2) of the candidates.
-PERIODS = tuple(np.geomspace(2.2, 11.0, 22).tolist())
-BANDWIDTHS = (3e-5, 3e-4, 3e-3)
-VARIANCES = tuple(np.geomspace(1e-4, 30.0, 20).tolist())
 #: Time between two looks, the shortest record for a look, and the times from which the variance and
 #: the shape are taken, s.
 INTERVAL, LEAST, OF_VARIANCE, OF_SHAPE = 10.0, 30.0, 60.0, 240.0
 #: Rate to which samples are averaged for the periodogram, Hz: far above the motion's frequencies.
 RATE = 10.0
-#: By how much another candidate's log likelihood must be greater before it is taken.
-GAIN_OF_SHAPE, GAIN_OF_VARIANCE = 2.0, 1.0
+#: By how much the log likelihood must be greater before one more peak, or other variances, are
+#: taken. That is less than chance alone would give (3 for a peak, by Akaike's criterion), because a
+#: filter loses more by motion that it does not expect.
+GAIN = 2.0
+#: By how many standard deviations a peak must be missed before another sea is looked for, and
+#: before that gets one more peak; and the most peaks of a sea.
+MISSED, ADDED, MOST = 4.0, 3.0, 4
 #: Where the estimate of the motion above the band begins, per upper edge of the band.
 ABOVE = 1.5
-#: Number of ordinates of a periodogram with a Hann window that tell as much as one independent
-#: ordinate: the ratio of the window's noise bandwidth to the distance of the ordinates.
-HANN = 1.5
-
-
-class Candidate(NamedTuple):
-    """A spectrum of Eq. (1) and a variance, as indices in the three grids."""
-
-    period: int
-    bandwidth: int
-    variance: int
-
-    @property
-    def values(self) -> tuple[float, float, float]:
-        """The natural period (s), the squared half-bandwidth (s^-2) and the variance (m^2)."""
-        return (
-            PERIODS[self.period],
-            BANDWIDTHS[self.bandwidth],
-            VARIANCES[self.variance],
-        )
 
 
 class Motion(NamedTuple):
@@ -62,13 +39,13 @@ class Motion(NamedTuple):
 
 
 class SpectrumTracker:
-    """Chooses the candidate that the specific force of the last minutes makes likely.
+    """Chooses the sea that the measurements of the last minutes make likely.
 
-    step: Sampling interval of the specific force, s.
-    force_sigma: Standard deviation of a sample's white noise, m/s^2.
-    lean: Specific force by leaning, s^-2: the specific force is the acceleration minus `lean` times
+    step: sampling interval of the specific force, s.
+    force_sigma: standard deviation of a sample's white noise, m/s^2.
+    lean: specific force by leaning, s^-2: the specific force is the acceleration minus `lean` times
         the displacement.
-    band: Edges of the band of the motion, Hz.
+    band: edges of the band of the motion, Hz.
     """
 
     def __init__(
@@ -77,11 +54,7 @@ class SpectrumTracker:
         self._block = max(round(1.0 / (RATE * step)), 1)
         self._noise, self._band = 2.0 * force_sigma**2 * step, band
         self.step, self.lean = step * self._block, lean
-        self.chosen: Candidate | None = None
-
-    @property
-    def _given(self) -> tuple[float, float, float, tuple[float, float]]:
-        return self.step, self._noise, self.lean, self._band
+        self.chosen: Sea | None = None
 
     def average(self, force: Array) -> Array:
         """Return means over blocks of samples (n,), of which the last ends with the record."""
@@ -89,39 +62,84 @@ class SpectrumTracker:
         blocks = force[len(force) % block :].reshape(-1, block)
         return np.asarray(blocks @ np.full(block, 1.0 / block))
 
-    def look(self, force: Array) -> Candidate | None:
-        """Choose a candidate; None if the record is shorter than `LEAST`.
+    def look(self, force: Array, fixes: tuple[Array, Fixes] | None = None) -> Sea | None:
+        """Choose a sea; None if the record is shorter than `LEAST`.
 
-        `force` is the specific force along one axis, m/s^2, as `average` returns it: all of it, or
-        the last `OF_SHAPE` seconds or more. A constant in it does not matter.
+        force: the specific force along one axis, m/s^2, as `average` returns it: all of it, or the
+            last `OF_SHAPE` seconds or more. A constant in it does not matter.
+        fixes: the fixes of that time, m, of which the last is a fix interval old, NaN where one was
+            lost, and what is known of them; None: the force alone is looked at.
         """
-        step = self._given[0]
-        lengths = [n for n in _list_lengths(step) if n <= len(force)]
-        if not lengths:
+        count = find_length(len(force), self.step)
+        if count is None:
             return None
-        last = round(OF_VARIANCE / step)
-        best = compute_log_likelihood(force[-lengths[-1] :], *self._given).max(axis=2)
-        recent = force[-min(lengths[-1], last) :]
+        whole = self._cut(force, fixes, count)
+        recent = self._cut(force, fixes, min(count, round(OF_VARIANCE / self.step)))
         now = self.chosen
-        if now is not None and best.max() - best[now[:2]] <= GAIN_OF_SHAPE:
-            of_now = compute_log_likelihood(recent, *self._given, now[:2])
-            if of_now.max() - of_now[now.variance] <= GAIN_OF_VARIANCE:
+        best = self._find(whole) if now is None or not _suffices(now, whole) else now
+        sized = recent.size(best)
+        if best == now:
+            gain = recent.compute_log_likelihood(sized) - recent.compute_log_likelihood(now)
+            if gain <= GAIN:
                 return now
-        period, bandwidth = map(int, np.unravel_index(int(best.argmax()), best.shape))
-        of_variance = compute_log_likelihood(recent, *self._given, (period, bandwidth))
-        self.chosen = Candidate(period, bandwidth, int(of_variance.argmax()))
+        self.chosen = sized
         return self.chosen
 
+    def _cut(self, force: Array, fixes: tuple[Array, Fixes] | None, count: int) -> Stretch:
+        """Return the stretch of the last `count` averaged samples, with its fixes if all came."""
+        known = Force(self.step, self._noise, self.lean, self._band)
+        if fixes is not None:
+            values, of_fixes = fixes
+            exact = count * self.step / of_fixes.step
+            number = round(exact)
+            last = values[len(values) - number :]
+            if abs(exact - number) < 1e-6 and number <= len(values) and not np.isnan(last).any():
+                return Stretch(force[-count:], known, (last, of_fixes))
+        return Stretch(force[-count:], known)
+
+    def _find(self, stretch: Stretch) -> Sea:
+        """Return the likeliest sea: of one peak, and of more as long as one is clearly missed.
+
+        A new peak moves the others, each in turn.
+        """
+        likelihood = stretch.try_peaks()
+        best: Sea = (pick(likelihood),)
+        greatest = float(likelihood.max())
+        while len(best) < MOST:
+            shape, deviations = stretch.find_missing(best)
+            if deviations < ADDED:
+                break
+            sizes = stretch.try_peaks(best, shape)
+            sea: Sea = (*best, Candidate(*shape, int(sizes.argmax())))
+            for i in range(len(sea)):
+                likelihood = stretch.try_peaks((*sea[:i], *sea[i + 1 :]))
+                sea = (*sea[:i], pick(likelihood), *sea[i + 1 :])
+            if likelihood.max() <= greatest + GAIN:
+                break
+            best, greatest = sea, float(likelihood.max())
+        return best
+
     def measure_above(self, force: Array) -> Motion:
-        """Estimate the motion above the band, where no candidate has any; `force` is as for `look`.
+        """Estimate the motion above the band, where no sea has any; `force` is as for `look`.
 
         The estimate begins at `ABOVE` times the band's upper edge, which a Hann window keeps free
         of what is inside the band. A variance may be slightly below zero, by chance.
         """
-        step, noise, _, band = self._given
-        above, second, fourth = _list_above(len(force), step, band[1])
-        excess = (compute_periodogram(force, step, above) - noise) / (len(force) * step)
+        above, second, fourth = _list_above(len(force), self.step, self._band[1])
+        excess = compute_periodogram(force, self.step, above) - self._noise
+        excess /= len(force) * self.step
         return Motion(float(np.sum(excess / fourth)), float(np.sum(excess / second)))
+
+
+def _suffices(sea: Sea, stretch: Stretch) -> bool:
+    """Return whether no peak is clearly missed in a sea, nor one peak would do as well."""
+    sized = stretch.size(sea)
+    if stretch.find_missing(sized)[1] >= MISSED:
+        return False
+    if len(sea) == 1:
+        return True
+    gain = stretch.compute_log_likelihood(sized) - stretch.try_peaks().max()
+    return bool(gain > GAIN)
 
 
 def compute_periodogram(force: Array, step: float, ordinates: slice[int]) -> Array:
@@ -140,67 +158,16 @@ def _make_window(length: int) -> tuple[Array, float]:
     return window, float(np.sum(window**2))
 
 
-def compute_log_likelihood(
-    force: Array,
-    step: float,
-    noise: float,
-    lean: float,
-    band: tuple[float, float],
-    shape: tuple[int, int] | tuple[()] = (),
-) -> Array:
-    """Compute the Whittle log likelihood of candidates, up to a constant.
-
-    The shape is (periods, bandwidths, variances), or (variances,) for the candidates of one shape.
-
-    force: Specific force, m/s^2, shape (n,).
-    step: Sampling interval, s.
-    noise: One-sided density of the white noise, (m/s^2)^2/Hz.
-    lean, band: Specific force by leaning, s^-2, and edges of the band of the motion, Hz.
-    shape: indices of the period and the bandwidth of the candidates; () for those of all shapes.
-    """
-    inverse, constant, inside = _make_models(len(force), step, noise, lean, band)
-    periodogram = compute_periodogram(force, step, inside)
-    return np.asarray(-(constant[shape] + inverse[shape] @ periodogram) / HANN)
-
-
-@lru_cache(32)
-def _make_models(
-    length: int, step: float, noise: float, lean: float, band: tuple[float, float]
-) -> tuple[Array, Array, slice[int]]:
-    """Return 1 / density of all candidates, the sum of log densities, and the ordinates they use.
-
-    The shapes are (periods, bandwidths, variances, ordinates) and (periods, bandwidths, variances).
-    """
-    frequency = np.fft.rfftfreq(length, step)
-    inside = _find_ordinates(frequency, *band)
-    frequency = frequency[inside]
-    # averaging over a step weakens the force a little
-    force = ((2.0 * np.pi * frequency) ** 2 + lean) ** 2 * np.sinc(frequency * step) ** 2
-    fine = np.linspace(*band, 4096)
-    shapes = np.empty((len(PERIODS), len(BANDWIDTHS), len(frequency)))
-    for (i, period), (j, bandwidth) in product(enumerate(PERIODS), enumerate(BANDWIDTHS)):
-        spectrum = translated(period, bandwidth)
-        shapes[i, j] = spectrum.density(frequency) / np.trapezoid(spectrum.density(fine), fine)
-    models = shapes[:, :, None] * np.array(VARIANCES)[:, None] * force + noise
-    return 1.0 / models, np.log(models).sum(axis=-1), inside
-
-
 @lru_cache(64)
 def _list_above(length: int, step: float, edge: float) -> tuple[slice[int], Array, Array]:
     """Return where the ordinates above an edge (Hz) are, and their (rad/s)^2 and (rad/s)^4."""
     frequency = np.fft.rfftfreq(length, step)
-    above = _find_ordinates(frequency, ABOVE * edge, 0.4 / step)
+    above = find_ordinates(frequency, ABOVE * edge, 0.4 / step)
     omega = 2.0 * np.pi * frequency[above]
     return above, omega**2, omega**4
 
 
-def _find_ordinates(frequency: Array, low: float, high: float) -> slice[int]:
-    """Return where rising frequencies, Hz, (n,) are between two, inclusive."""
-    return slice(
-        int(np.searchsorted(frequency, low)), int(np.searchsorted(frequency, high, "right"))
-    )
-
-
-def _list_lengths(step: float) -> list[int]:
-    """Return the numbers of samples of periodograms: few, because their models are kept."""
-    return [round(seconds / step) for seconds in (LEAST, OF_VARIANCE, 90.0, 120.0, 180.0, OF_SHAPE)]
+def find_length(available: int, step: float) -> int | None:
+    """Return how many samples are looked at: few numbers, because the models of each are kept."""
+    times = (LEAST, OF_VARIANCE, 90.0, 120.0, 180.0, OF_SHAPE)
+    return max((n for n in (round(time / step) for time in times) if n <= available), default=None)

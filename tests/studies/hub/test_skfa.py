@@ -10,7 +10,8 @@ from tools import Streaming, assert_same, configure, measured
 
 from owtsweep.config import changed
 from owtsweep.gravity import GRAVITY
-from owtsweep.motion.tracking import Candidate, SpectrumTracker
+from owtsweep.motion.candidates import Candidate
+from owtsweep.motion.tracking import SpectrumTracker
 from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
@@ -20,8 +21,13 @@ from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
-from owtsweep.studies.hub.tracked_models import make_candidate
-from owtsweep.studies.hub.tracking_filter import TrackingFilter
+from owtsweep.studies.hub.tracked_models import make_sea_model
+from owtsweep.studies.hub.tracking_filter import (
+    LIKELY,
+    LIKELY_WIDE,
+    TrackingFilter,
+    _is_beaten,
+)
 from owtsweep.testing.hub_schemes import check_hub_scheme
 
 SKFA: Any = resolve("SKFA")
@@ -66,7 +72,9 @@ def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("owtsweep.estimation.late.CHUNK", 128)
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
-    axis = make_candidate(Candidate(8, 0, 8), 0.01, config.skf, sensors, BAND)
+    axis = make_sea_model(
+        (Candidate(8, 0, 8), Candidate(30, 1, 5)), 0.01, config.skf, sensors, BAND
+    )
     rng = np.random.default_rng(1)
     force, fixes = rng.standard_normal(900), np.full(900, np.nan)
     fixes[:: sensors.fix_interval] = rng.standard_normal(900 // sensors.fix_interval)
@@ -174,6 +182,35 @@ def test_outliers_and_bursts_are_refused_but_a_hub_that_has_moved_is_followed() 
     assert later.state[-1, 0] == pytest.approx(0.4, abs=0.1)
 
 
+@pytest.mark.parametrize(
+    ("good", "bad", "beaten"), [(0, 20, False), (0, 60, True), (500, 60, True)]
+)
+def test_a_model_is_beaten_when_fixes_were_clearly_less_likely_for_some_time(
+    good: int, bad: int, beaten: bool
+) -> None:
+    """Good predictions of before do not outweigh bad ones of now; steps without a fix count not."""
+    past = np.full((6, 2 * (good + bad)), np.nan)
+    past[LIKELY, ::2] = np.repeat([2.0, 1.0], [good, bad])
+    past[LIKELY_WIDE, ::2] = np.repeat([1.5, 1.3], [good, bad])
+    assert _is_beaten(past) == beaten
+    assert not _is_beaten(past[:, :0])
+
+
+@pytest.mark.usefixtures("kernels")
+def test_a_drifting_period_costs_no_more_than_assuming_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    config = configure(
+        "record.duration=600", "sensors.imu.rate=20", "sensors.imu.sigma=0.05",
+        "motion.pace=[[150,1],[450,1.11]]",
+    )  # fmt: skip
+    _, square, nees = run(config, 2.0)
+    monkeypatch.setattr(SpectrumTracker, "look", lambda *_: None)
+    _, of_nothing, _ = run(config, 2.0)
+    assert square < 1.02 * of_nothing
+    assert nees < 1.1
+
+
 def run(config: Any, amplitude: float, count: int = 3) -> tuple[Any, Any, float]:
     """Return the estimators, mean square position errors after 120 s, and the mean of NEES / 4."""
     records = make_records_at(config, {"natural_period": 4.0}, list(range(count)))
@@ -204,7 +241,7 @@ def test_without_being_told_it_comes_near_to_what_the_spectrum_allows() -> None:
     for _, _, nees in (small, large):
         assert 0.8 < nees < 1.3
     for filter in small[0][0]._filters:
-        assert filter.model.values[0] == pytest.approx(4.0, rel=0.1)
+        assert filter.model[0].values[0] == pytest.approx(4.0, rel=0.1)
 
 
 @pytest.mark.usefixtures("kernels")

@@ -202,5 +202,5 @@ class Scheme(contract.Scheme[Setting, Measured, Estimates]):
     study = "blade"
 
 
-#: A scheme by its name, and by what makes it ready for a setting.
-Direct = contract.Direct[Setting, Measured, Estimates]
+class Direct(contract.Direct[Setting, Measured, Estimates], Scheme):
+    """A scheme by its name, and by what makes it ready for a setting."""

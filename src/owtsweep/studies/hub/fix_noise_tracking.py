@@ -16,7 +16,8 @@ from functools import lru_cache
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.tracking import HANN, compute_periodogram
+from owtsweep.motion.candidates import HANN
+from owtsweep.motion.tracking import compute_periodogram
 
 #: Standard deviations of the red noise among which one is chosen, m.
 SIZES = (0.0, 0.03, 0.1, 0.3)

@@ -12,10 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.motion.tracking import HANN
+from owtsweep.motion.candidates import HANN, HANN_SQUARE, transform
 
 #: Step of the lean, s^-2: .001 rad/m of tilt.
 STEP = 0.01
@@ -71,15 +70,16 @@ class LeanTracker:
 
     def _compare(self, force: Array, fixes: Array, time: float) -> _Found | None:
         """Return the lean, s^-2, and its standard deviation; None if the motion is too small."""
-        frequency, of_force = self._transform(force, 0, time)
-        _, of_fixes = self._transform(fixes, 1, time)
+        counts = [round(time / step) for step in self._steps]
+        frequency = np.fft.rfftfreq(counts[0], self._steps[0])
+        # the middle of a block of samples is half a block after its beginning
+        of_force = transform(force[-counts[0] :], self._steps[0], 0.5 * self._steps[0])
+        of_fixes = transform(fixes[-counts[1] :], self._steps[1], -self._delay)
         low, high = np.searchsorted(frequency, self._band)
         inside = slice(int(low), min(int(high), len(of_fixes)))
         omega = 2.0 * np.pi * frequency[inside]
-        # the middle of a block of samples is half a block after its beginning
-        F = of_force[inside] * np.exp(-0.5j * omega * self._steps[0])
-        X = of_fixes[inside] * np.exp(1j * omega * self._delay)
-        noise = self._sigma**2 * self._steps[1] * time * 0.375  # of a Hann window's mean square
+        F, X = of_force[inside], of_fixes[inside]
+        noise = self._sigma**2 * self._steps[1] * time * HANN_SQUARE
         clear = np.abs(F) ** 2 > CLEAR * noise * omega**4
         if np.count_nonzero(clear) < FEWEST:
             return None
@@ -91,16 +91,6 @@ class LeanTracker:
         rest = np.abs(missing - lean * X) ** 2
         variance = HANN * np.sum(rest * np.abs(F) ** 2) / (2.0 * common**2)
         return _Found(lean, float(np.sqrt(variance)))
-
-    def _transform(
-        self, values: Array, number: int, time: float
-    ) -> tuple[Array, NDArray[np.complex128]]:
-        """Return frequencies, Hz, and the Fourier integral over the last time, by a Hann window."""
-        step = self._steps[number]
-        count = round(time / step)
-        middle = (np.arange(count) + (0.5 if number == 0 else 0.0)) / count
-        window = 0.5 - 0.5 * np.cos(2.0 * np.pi * middle)
-        return np.fft.rfftfreq(count, step), step * np.fft.rfft(window * values[-count:])
 
 
 class _Found(NamedTuple):

@@ -5,6 +5,7 @@ The shaping filters that are fitted to a spectrum are kept in memory and in the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import blake2b
@@ -57,29 +58,33 @@ class SpectralAxis:
 
 
 def make_axis(
-    shaping: ShapingFilter,
-    variance: float,
+    peaks: Sequence[tuple[ShapingFilter, float]],
     tuning: Skf,
     sensors: Sensors,
     red: float | None = None,
 ) -> SpectralAxis:
-    """Make the model of one axis from the spectrum, as a shaping filter, and the variance.
+    """Make the model of one axis from the peaks of the spectrum.
 
     The specific force along the axis is f = a - g tilt p + b + noise, with acceleration a, position
     p and bias b, which includes gravity; see `Sensors.lean`. The IMU's white noise and that of
     fixes have the sensors' own variances.
 
-    shaping: the spectrum, of n states, for motion with a variance of 1 m^2.
-    variance: of the motion along the axis, m^2.
+    peaks: parts of the motion that do not depend on each other: the spectrum of each, as a shaping
+        filter for a variance of 1 m^2, and its variance along the axis, m^2.
     red: standard deviation of the fixes' red noise, m; None: as the tuning says.
     """
-    from scipy.linalg import solve_continuous_lyapunov
+    from scipy.linalg import block_diag, solve_continuous_lyapunov
 
     from owtsweep.estimation.late import LateModel, find_first_covariance
 
-    n, step, delay = len(shaping.A), sensors.step, sensors.delay
-    intensity = variance * np.outer(shaping.B, shaping.B)
-    discrete = discretise(Model(shaping.A, np.zeros((n, 1)), intensity), step)
+    A = block_diag(*(peak.A for peak, _ in peaks))
+    intensity = block_diag(*(variance * np.outer(peak.B, peak.B) for peak, variance in peaks))
+    position, velocity, acceleration = (
+        np.concatenate([getattr(peak, name) for peak, _ in peaks])
+        for name in ("position", "velocity", "acceleration")
+    )
+    n, step, delay = len(A), sensors.step, sensors.delay
+    discrete = discretise(Model(A, np.zeros((n, 1)), intensity), step)
     blocks = np.array([discrete.A[i : i + 2, i : i + 2] for i in range(0, n, 2)])
     red = tuning.red_sigma or 0.0 if red is None else red
     fade = float(np.exp(-step / tuning.red_time))
@@ -88,8 +93,8 @@ def make_axis(
         A=blocks,
         Q=discrete.Q,
         walk=q_b * step,
-        fast=shaping.acceleration - tuning.find_lean(sensors.lean) * shaping.position,
-        slow=shaping.position.copy(),
+        fast=acceleration - tuning.find_lean(sensors.lean) * position,
+        slow=position.copy(),
         r_fast=sensors.force_sigma**2,
         r_slow=sensors.position_sigma**2,
         interval=sensors.fix_interval,
@@ -99,9 +104,9 @@ def make_axis(
         fade=fade,
         red=red**2 * (1.0 - fade**2),
     )
-    stationary = solve_continuous_lyapunov(shaping.A, -intensity)
+    stationary = solve_continuous_lyapunov(A, -intensity)
     first = find_first_covariance(model, stationary, tuning.bias_variance)
-    return SpectralAxis(model, first, np.stack([shaping.position, shaping.velocity]))
+    return SpectralAxis(model, first, np.stack([position, velocity]))
 
 
 class _Last(local):
@@ -128,7 +133,7 @@ def make_axes(
         variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
         floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)
         shaping = fit_or_recall(known.frequency, known.density, tuning.states, floor)
-        x, y = (make_axis(shaping, float(one), tuning, sensors) for one in variance)
+        x, y = (make_axis([(shaping, float(one))], tuning, sensors) for one in variance)
         _LAST.what, _LAST.axes = what, (x, y)
     return _LAST.axes
 

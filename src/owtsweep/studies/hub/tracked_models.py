@@ -1,7 +1,7 @@
-"""Makes the models of the candidates among which SKFA chooses.
+"""Makes the models of the seas among which SKFA chooses.
 
-The candidates are those of `motion.tracking`. A fitted shaping filter is kept in the cache folder,
-because there are some hundred.
+A sea is a sum of peaks (`motion.candidates`), so its model has the shaping filters of all of them,
+side by side. A fitted shaping filter is kept in the cache folder, because there are some hundred.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.gravity import GRAVITY
+from owtsweep.motion.candidates import VARIANCES, Candidate, Sea
 from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
-from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.known_motion import find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_model import FLOOR, SpectralAxis, fit_or_recall, make_axis
 
-#: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit
-#: to a candidate does not lower the error.
+#: Number of states of a peak's shaping filter. The true spectrum is not known, so a closer fit to a
+#: peak does not lower the error.
 STATES = 8
 #: The model that assumes next to nothing: its variance, m^2, and the frequency up to which its
 #: acceleration is white, as a multiple of the band's upper edge. From the band's lower edge on, its
@@ -34,8 +34,8 @@ SHARED = 3
 
 
 @lru_cache(48)  # their gains take 1 MB per 9000 steps
-def make_candidate(
-    candidate: Candidate | None,
+def make_sea_model(
+    sea: Sea | None,
     bias_variance: float,
     tuning: Skf,
     sensors: Sensors,
@@ -43,10 +43,8 @@ def make_candidate(
     red: float | None = None,
     lean: float | None = None,
 ) -> SpectralAxis:
-    """Make the model of one axis for a candidate.
+    """Make the model of one axis for a sea; None: one that assumes next to nothing of the motion.
 
-    candidate: natural period, bandwidth and variance, as indices; None for a model that assumes
-        next to nothing of the motion.
     bias_variance: of the bias at the start, (m/s^2)^2.
     band: edges of the band of the motion, Hz.
     red, lean: standard deviation of the fixes' red noise, m, and specific force by leaning, s^-2;
@@ -55,18 +53,20 @@ def make_candidate(
     tuning = changed(tuning, bias_variance=bias_variance)
     if lean is not None:
         tuning = changed(tuning, tilt=lean / GRAVITY)
-    if candidate is None:
-        return make_axis(_make_wide(band), WIDE_VARIANCE, tuning, sensors, red)
-    group = candidate.variance // SHARED
-    shaping = _fit(candidate.period, candidate.bandwidth, group, sensors, band)
-    return make_axis(shaping, candidate.values[2], tuning, sensors, red)
+    if sea is None:
+        return make_axis([(_make_wide(band), WIDE_VARIANCE)], tuning, sensors, red)
+    peaks = [
+        (_fit(peak.period, peak.bandwidth, peak.variance // SHARED, sensors, band), peak.values[2])
+        for peak in sea
+    ]
+    return make_axis(peaks, tuning, sensors, red)
 
 
 @lru_cache(512)
 def _fit(
     period: int, bandwidth: int, group: int, sensors: Sensors, band: tuple[float, float]
 ) -> ShapingFilter:
-    """Fit the shaping filter of a candidate's spectrum, for a group of `SHARED` variances."""
+    """Fit the shaping filter of a peak, for a group of `SHARED` variances."""
     middle = min(SHARED * group + SHARED // 2, len(VARIANCES) - 1)
     natural_period, k, variance = Candidate(period, bandwidth, middle).values
     frequency = _choose_frequencies(1.0 / natural_period, float(np.sqrt(k)), band)

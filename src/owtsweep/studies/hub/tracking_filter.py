@@ -4,11 +4,12 @@ Every ten seconds the tracker examines the specific force. When it chooses anoth
 of this model starts a minute ago, from its own prior, filters that minute's measurements again, and
 goes on from there. So no state is handed from one model to another, but for the IMU's bias.
 
-A guard: a model is not taken, or is given up for one that assumes next to nothing of the motion, if
-the innovations of the last minute's fixes are larger than it can explain, or if there is motion
-above the band that it does not know and that matters beside the error that it states. It is given
-up at once if the innovations of the last few fixes, or an IMU sample, are far too large, as when a
-calm hub is struck.
+Beside it runs a filter that assumes next to nothing of the motion. It takes over if the innovations
+of the last minute's fixes are larger than the model can explain, if there is motion above the band
+that the model does not know and that matters beside the error that it states, or if, in a large
+motion, it predicted the fixes of the last minutes clearly better. It takes over at once if the
+innovations of the last few fixes, or an IMU sample, are far too large, as when a calm hub is
+struck.
 """
 
 from __future__ import annotations
@@ -21,13 +22,8 @@ from functools import lru_cache
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.tracking import (
-    INTERVAL,
-    OF_SHAPE,
-    Candidate,
-    Motion,
-    SpectrumTracker,
-)
+from owtsweep.motion.candidates import Fixes, Sea
+from owtsweep.motion.tracking import INTERVAL, OF_SHAPE, Motion, SpectrumTracker
 from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker
 from owtsweep.studies.hub.fix_rules import FixRule
 from owtsweep.studies.hub.lean_tracking import LeanTracker
@@ -35,7 +31,7 @@ from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_filter import AxisEstimates, AxisFilter
 from owtsweep.studies.hub.spectral_model import SpectralAxis
-from owtsweep.studies.hub.tracked_models import make_candidate
+from owtsweep.studies.hub.tracked_models import make_sea_model
 
 #: Time that a new model filters again, s, and the standard deviation of the bias that it starts
 #: with, m/s^2.
@@ -43,13 +39,20 @@ AGAIN, BIAS_SIGMA = 60.0, 0.02
 #: Probability that a right model passes the guard, and the greatest variance of unknown motion
 #: above the band per variance of the stated error.
 CONFIDENCE, UNKNOWN = 0.999, 0.5
-#: Number of the last few fixes, and the probability that a right model fails their test.
+#: Number of the last few fixes, and the probability that a right model fails their test; it also
+#: bounds how often a right model is given up because the other filter predicted fixes better.
 FEW, ALARM = 4, 1e-5
 #: The variance of a motion, m^2, up to which a gate is patient and red noise is tracked. A larger
 #: one leaves more doubt of the model than of the fixes: there, one fix in a row is refused.
 CALM = 0.1
+#: The variance, m^2, up to which fixes help the IMU to see the spectrum. In a larger motion they
+#: are not needed, and an outlier that was not refused would be taken for motion.
+FAINT = 0.01
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
+#: Rows of the history: measurements, and what each of two filters made of the fixes: those that it
+#: refused replaced by its predictions, and their log likelihoods.
+FORCE, FIXES, KEPT, LIKELY, KEPT_WIDE, LIKELY_WIDE = range(6)
 
 
 class TrackingFilter:
@@ -75,6 +78,7 @@ class TrackingFilter:
         self._hasty_rule = replace(rule, patience=min(rule.patience, 1))
         lean = tuning.find_lean(sensors.lean)
         self._tracker = SpectrumTracker(sensors.step, sensors.force_sigma, lean, band)
+        self._delay = sensors.delay * sensors.step
         # None: the red noise of the fixes is declared
         self._noise_tracker: FixNoiseTracker | None = None
         if tuning.red_sigma is None:
@@ -84,8 +88,8 @@ class TrackingFilter:
         # None: the tilt is declared
         self._lean_tracker: LeanTracker | None = None
         if tuning.track_tilt:
-            steps, delay = (self._tracker.step, sensors.fix_step), sensors.delay * sensors.step
-            self._lean_tracker = LeanTracker(steps, delay, sensors.position_sigma, band, lean)
+            steps = self._tracker.step, sensors.fix_step
+            self._lean_tracker = LeanTracker(steps, self._delay, sensors.position_sigma, band, lean)
         between = int(np.ceil(INTERVAL / sensors.fix_step - 1e-9))
         self._between = between * sensors.fix_interval
         looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
@@ -93,7 +97,7 @@ class TrackingFilter:
         kept = max(self._again + sensors.fix_interval, round(OF_SHAPE / sensors.step))
         self._kept = kept
         # twice as long as what is kept, so that it is seldom moved
-        self._history = np.empty((3, 2 * kept + self._between))
+        self._history = np.empty((6, 2 * kept + self._between))
         self._steps = self._filled = 0
         # steps and biases at the looks of the last minute
         self._biases = deque([(0, 0.0)], maxlen=looks + 2)
@@ -101,13 +105,14 @@ class TrackingFilter:
         self._scores: deque[Array] = deque(maxlen=looks)
         self._fresh: list[Array] = []
         self._few: Array = np.empty(0)
-        #: The candidate in use; None while next to nothing is assumed.
-        self.model: Candidate | None = None
+        #: The sea that is assumed; None while next to nothing is.
+        self.model: Sea | None = None
         #: Standard deviation of the fixes' red noise in use, m.
         self.red = tuning.red_sigma or 0.0
-        self._filter = start(
-            self._make(None, tuning.bias_variance, self.red), self._hasty_rule, 0.0
-        )
+        axis = self._make(None, tuning.bias_variance, self.red)
+        self._wide = self._filter = start(axis, self._hasty_rule, 0.0)
+        self._told_wide = self.red, lean
+        self._was_beaten = False
         self._force_sigma = np.inf  # of an IMU sample, by the model
         self._stated = np.zeros((2, 2))  # covariance of the last estimate
 
@@ -143,16 +148,18 @@ class TrackingFilter:
                 is_alarmed, steps = True, min(ends) + 1
                 result = AxisEstimates(*(array[:steps] for array in result))
                 scores = _score(result)
-        kept = slice(self._filled, self._filled + steps)
-        self._history[:2, kept] = force[:steps], fixes[:steps]
-        self._history[2, kept] = _replace_refused(fixes[:steps], result)
+        measured = force[:steps], fixes[:steps]
+        wide = result if self.model is None else self._wide.take(*measured)
+        self._history[:, self._filled : self._filled + steps] = [
+            *measured, *_judge_fixes(measured[1], result), *_judge_fixes(measured[1], wide),
+        ]  # fmt: skip
         self._filled += steps
         self._steps += steps
         self._fresh.append(scores)
         self._few = np.concatenate([self._few, scores])[-(FEW - 1) :]
         self._stated = result.covariance[-1]
         if is_alarmed:
-            self._change(None, Motion(0.0, 0.0), self.red)
+            self._give_up()
         return result
 
     def _look(self) -> None:
@@ -162,41 +169,48 @@ class TrackingFilter:
         self._fresh = []
         used = min(self._filled, self._kept + self._between)
         force = self._tracker.average(self._history[0, self._filled - used : self._filled])
-        wanted = self._tracker.look(force)
+        interval = self._sensors.fix_interval
+        first = self._filled - used + (used - self._steps) % interval
+        kept = self._history[:, first : self._filled : interval]
+        noise = self.red, self._tuning.red_time
+        of_fixes = Fixes(self._sensors.fix_step, self._delay, self._sensors.position_sigma, *noise)
+        is_faint = self.model is not None and _sum_variances(self.model) < FAINT
+        wanted = self._tracker.look(force, (kept[KEPT], of_fixes) if is_faint else None)
         above = self._tracker.measure_above(force)
-        is_calm = wanted is None or wanted.values[2] < CALM
-        red, lean = self._look_at_fixes(used, force, is_calm)
+        is_calm = wanted is None or _is_calm(wanted)
+        red, lean = self._look_at_fixes(kept, force, is_calm)
         leans = lean != self._tracker.lean
         self._tracker.lean = lean
+        if self._told_wide != (self.red, lean):
+            self._tell_wide()
         if wanted is not None and ((wanted, red) != (self.model, self.red) or leans):
             self._change(wanted, above, red)
             if self.model is None and is_calm:
                 self._try_more_red_noise(wanted, above)
         if self.model is not None:
             scores = np.concatenate([*self._scores, *self._fresh])
-            if _is_contradicted(scores) or _is_blind(self._stated, above):
-                self._change(None, above, self.red)
+            past = self._history[:, self._filled - used : self._filled]
+            self._was_beaten = _is_beaten(past)
+            if self._was_beaten or _is_contradicted(scores) or _is_blind(self._stated, above):
+                self._give_up()
         if self._filled + self._between > self._history.shape[1]:
             first = self._filled - self._kept
             self._history[:, : self._kept] = self._history[:, first : self._filled]
             self._filled = self._kept
 
-    def _look_at_fixes(self, steps: int, force: Array, is_calm: bool) -> tuple[float, float]:
+    def _look_at_fixes(self, kept: Array, force: Array, is_calm: bool) -> tuple[float, float]:
         """Return the size of the red noise, m, and the lean, s^-2, that fixes make likely.
 
-        steps: number of the last steps that are looked at.
+        kept: the history at the last steps at which a fix was due.
         force: the specific force, averaged, up to now.
         is_calm: whether the motion is so small that red noise can be told from it.
         """
-        interval = self._sensors.fix_interval
-        first = -(self._steps - steps) % interval
-        _, raw, fixes = self._history[:, self._filled - steps + first : self._filled : interval]
         noise, leaning = self._noise_tracker, self._lean_tracker
-        red = self.red if noise is None else noise.look(fixes) if is_calm else noise.forget()
-        lean = self._tracker.lean if leaning is None else leaning.look(force, raw)
+        red = self.red if noise is None else noise.look(kept[KEPT]) if is_calm else noise.forget()
+        lean = self._tracker.lean if leaning is None else leaning.look(force, kept[FIXES])
         return red, lean
 
-    def _try_more_red_noise(self, model: Candidate, above: Motion) -> None:
+    def _try_more_red_noise(self, model: Sea, above: Motion) -> None:
         """Take a model that fixes contradict after all, if they may be off by more red noise."""
         if self._noise_tracker is None:
             return
@@ -206,29 +220,67 @@ class TrackingFilter:
         if self.model is not None:
             self._noise_tracker.chosen = self.red
 
-    def _change(self, model: Candidate | None, above: Motion, red: float) -> None:
-        """Filter the last minute again with another model, and go on with it unless it is wrong."""
+    def _change(self, model: Sea, above: Motion, red: float) -> None:
+        """Filter the last minute again with another model, and go on with it unless it is wrong.
+
+        After a model was beaten by the filter that assumes next to nothing, the next one must have
+        predicted the fixes better.
+        """
+        rule = self._rule if _is_calm(model) else self._hasty_rule
+        axis, filter, again, result = self._filter_again(model, red, rule)
+        scores, stated = _score(result), result.covariance[-1]
+        kept, likely = _judge_fixes(again[FIXES], result)
+        # a filter that has just started predicts badly
+        gains = (likely - again[LIKELY_WIDE])[len(likely) // 2 :]
+        if self._was_beaten and np.nansum(gains) <= 0.0:
+            return
+        if not (_is_contradicted(scores) or _is_blind(stated, above)):
+            self.model, self.red, self._filter, self._stated = model, red, filter, stated
+            again[KEPT] = kept
+            self._was_beaten = False
+            self._force_sigma = _compute_force_sigma(axis)
+            self._scores.clear()
+            self._fresh, self._few = [scores], scores[-(FEW - 1) :]
+
+    def _give_up(self) -> None:
+        """Go on with the filter that assumes next to nothing of the motion."""
+        self.model, self._filter = None, self._wide
+        past = self._history[:, : self._filled]
+        past[[KEPT, LIKELY]] = past[[KEPT_WIDE, LIKELY_WIDE]]
+
+    def _tell_wide(self) -> None:
+        """Let the filter that assumes next to nothing know red noise and lean as they are now."""
+        self._told_wide = self.red, self._tracker.lean
+        _, self._wide, again, result = self._filter_again(None, self.red, self._hasty_rule)
+        again[KEPT_WIDE], again[LIKELY_WIDE] = _judge_fixes(again[FIXES], result)
+        if self.model is None:
+            self._give_up()
+
+    def _filter_again(
+        self, model: Sea | None, red: float, rule: FixRule
+    ) -> tuple[SpectralAxis, AxisFilter, Array, AxisEstimates]:
+        """Start a filter a minute ago; return its model, itself, that minute, and its estimates."""
         interval = self._sensors.fix_interval
         first = max(self._steps - self._again, 0) // interval * interval
         bias = next(bias for step, bias in reversed(self._biases) if step <= first)
         variance = BIAS_SIGMA**2 if first else self._tuning.bias_variance
         axis = self._make(model, variance, red)
-        is_small = model is not None and model.values[2] < CALM
-        filter = self._start(axis, self._rule if is_small else self._hasty_rule, bias)
+        filter = self._start(axis, rule, bias)
         again = self._history[:, self._filled - (self._steps - first) : self._filled]
-        result = filter.take(*again[:2])
-        scores, stated = _score(result), result.covariance[-1]
-        if model is None or not (_is_contradicted(scores) or _is_blind(stated, above)):
-            self.model, self.red, self._filter, self._stated = model, red, filter, stated
-            again[2] = _replace_refused(again[1], result)
-            self._force_sigma = _compute_force_sigma(axis)
-            self._scores.clear()
-            self._fresh, self._few = [scores], scores[-(FEW - 1) :]
+        return axis, filter, again, filter.take(again[FORCE], again[FIXES])
 
-    def _make(self, model: Candidate | None, bias_variance: float, red: float) -> SpectralAxis:
-        return make_candidate(
+    def _make(self, model: Sea | None, bias_variance: float, red: float) -> SpectralAxis:
+        return make_sea_model(
             model, bias_variance, self._tuning, self._sensors, self._band, red, self._tracker.lean
         )
+
+
+def _sum_variances(sea: Sea) -> float:
+    return sum(peak.values[2] for peak in sea)
+
+
+def _is_calm(sea: Sea) -> bool:
+    return _sum_variances(sea) < CALM
 
 
 def _score(estimates: AxisEstimates) -> Array:
@@ -242,10 +294,26 @@ def _score(estimates: AxisEstimates) -> Array:
     return np.asarray(estimates.weight[there] * squares)
 
 
-def _replace_refused(fixes: Array, estimates: AxisEstimates) -> Array:
-    """Return fixes (steps,) with what was predicted in place of those that were refused."""
-    predicted = fixes - estimates.innovation
-    return np.where(estimates.weight == 0.0, predicted, fixes)
+def _judge_fixes(fixes: Array, estimates: AxisEstimates) -> tuple[Array, Array]:
+    """Return fixes (steps,), those that were refused as predicted, and their log likelihoods.
+
+    A fix that is far off counts as one at the edge of what a right model lets through; one that is
+    refused does not count.
+    """
+    innovation, variance, is_refused = *estimates[2:4], estimates.weight == 0.0
+    squares = np.minimum(innovation**2 / variance, _find_limit(1, 1.0 - CONFIDENCE))
+    likely = np.where(is_refused, np.nan, -0.5 * (np.log(variance) + squares))
+    return np.where(is_refused, fixes - innovation, fixes), likely
+
+
+def _is_beaten(past: Array) -> bool:
+    """Return whether the other filter predicted fixes clearly better, since any time in the past.
+
+    That is Page's test. Under a right model, the chance that a likelihood ratio ever reaches r is
+    at most 1 / r (Ville 1939).
+    """
+    gains = past[LIKELY] - past[LIKELY_WIDE]
+    return bool(np.min(np.cumsum(gains[~np.isnan(gains)][::-1]), initial=0.0) < np.log(ALARM))
 
 
 def _is_contradicted(scores: Array) -> bool:
