@@ -2,7 +2,42 @@
 
 from __future__ import annotations
 
+import io
+import pickle
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
 import pytest
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _yaml_is_parsed_once() -> Iterator[None]:
+    """Parse each text once per process: composing reads the same thirty files every time.
+
+    The texts are still read. What cannot be parsed is not kept, so that errors are OmegaConf's.
+    """
+    from omegaconf import OmegaConf
+
+    parsed: dict[str, bytes] = {}
+    load = OmegaConf.load
+
+    def remembering(file: Any) -> Any:
+        if isinstance(file, (str, Path)):
+            with open(file, encoding="utf-8") as opened:
+                return remembering(opened)
+        if not isinstance(file, io.TextIOBase):
+            return load(file)
+        start = file.tell()
+        text = file.read()
+        if text not in parsed:
+            file.seek(start)
+            parsed[text] = pickle.dumps(load(file))
+        return pickle.loads(parsed[text])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(OmegaConf, "load", staticmethod(remembering))
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,34 +37,45 @@ def lift() -> EstimatedRecord:
     return owtsweep.estimate(["study=blade", *SHORT, "grid.sigma=[0.006]", "grid.outage=[0]"])
 
 
-@pytest.fixture(autouse=True)
-def _files(lift: EstimatedRecord, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Write the lift as tables, on the globe and as NMEA, with a clock that begins at 100 s."""
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(scope="module")
+def folder(lift: EstimatedRecord, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The lift as tables, on the globe and as NMEA, with a clock that begins at 100 s."""
+    folder = tmp_path_factory.mktemp("lift")
     imu = {"time": 100.0 + lift.time}
     for names, signal in (("fx fy fz", "specific_force"), ("wx wy wz", "rate")):
         for name, column in zip(names.split(), lift.measurements[signal].value.T, strict=True):
             imu[name] = column
-    pd.DataFrame(imu).to_csv("imu.csv", index=False)
+    pd.DataFrame(imu).to_csv(folder / "imu.csv", index=False)
     time, fixes = lift.measurements["fixes"]
     for k in range(3):
         table = pd.DataFrame(fixes[:, k], columns=["x", "y", "z"])
         table.insert(0, "time", 100.0 + time)
-        table.to_csv(f"gnss{k}.csv", index=False)
+        table.to_csv(folder / f"gnss{k}.csv", index=False)
     enu = fixes[:, 0] @ TO_ENU.T
     globe = np.column_stack(enu2geodetic(*enu.T, *ORIGIN))
-    pd.DataFrame({"time": 100.0 + time, **dict(zip(("latitude", "longitude", "height"), globe.T,
-                 strict=True))}).to_csv("globe.csv", index=False)  # fmt: skip
+    table = pd.DataFrame(globe, columns=["latitude", "longitude", "height"])
+    table.insert(0, "time", 100.0 + time)
+    table.to_csv(folder / "globe.csv", index=False)
+    for quality in (4, 5):
+        (folder / f"quality{quality}.nmea").write_bytes(_sentences(table, quality))
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def _files(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work among copies of the files."""
+    monkeypatch.chdir(tmp_path)
+    for file in folder.iterdir():
+        shutil.copy(file, tmp_path)
 
 
 def _run(*words: str) -> EstimatedRecord:
     return owtsweep.estimate([*RECORDED, *CELL, *words])
 
 
-def _write_nmea(quality: int = 4) -> None:
-    table = pd.read_csv("globe.csv")
+def _sentences(globe: pd.DataFrame, quality: int) -> bytes:
     sentences = []
-    for time, lat, lon, height in table.to_numpy():
+    for time, lat, lon, height in globe.to_numpy():
         clock = f"00{int(time // 60):02d}{time % 60:05.2f}"
         sentences.append(
             NMEAMessage(
@@ -72,7 +84,11 @@ def _write_nmea(quality: int = 4) -> None:
                 sepUnit="M", hpnmeamode=1,
             ).serialize()
         )  # fmt: skip
-    Path("fixes.nmea").write_bytes(b"".join(sentences))
+    return b"".join(sentences)
+
+
+def _write_nmea(quality: int = 4) -> None:
+    shutil.copy(f"quality{quality}.nmea", "fixes.nmea")
 
 
 def test_tables_give_what_the_simulation_gave(lift: EstimatedRecord) -> None:
