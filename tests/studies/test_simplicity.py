@@ -20,7 +20,7 @@ from owtsweep.studies.registry import list_simplicity
 STUDIES = [name for name in names() if get_study(name).schemes()]
 TINY = [
     "study=floater", "record.duration=60", "record.rate=10", "record.settling=20", "grid.delay=[0]",
-    "grid.bias=[0.1]", "grid.replicates=2", "compute.workers=1", "name=mine",
+    "grid.bias=[0.1]", "grid.replicates=2", "compute=single", "name=mine",
 ]  # fmt: skip
 
 

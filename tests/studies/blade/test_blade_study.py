@@ -23,7 +23,7 @@ from owtsweep.testing import check_study
 TINY = [
     "study=blade", "record.duration=60", "record.settling=20", "sensors.outage_every=40",
     "grid.sigma=[0.006]", "grid.outage=[0,20]", "grid.replicates=2", "schemes=[HOLD,MEKF]",
-    "compute.workers=1",
+    "compute=single",
 ]  # fmt: skip
 
 

@@ -28,7 +28,7 @@ from owtsweep.testing import check_study
 TINY = [
     "study=floater", "record.duration=60", "record.rate=10", "record.settling=20",
     "grid.delay=[0,2]", "grid.bias=[0.1]", "grid.replicates=2", "schemes=[KF,KF_REPAIRED]",
-    "compute.workers=1",
+    "compute=single",
 ]  # fmt: skip
 
 

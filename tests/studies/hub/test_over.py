@@ -105,7 +105,8 @@ def test_kernels_and_steps_agree_in_a_world_that_departs(
     unknown: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     words = ["grid.natural_period=[4]", "grid.amplitude=[0.5]", "grid.replicates=1",
-             "record.duration=30", "schemes=[MKF,HME1]", f"over={{{unknown}}}"]  # fmt: skip
+             "record.duration=30", "schemes=[MKF,HME1]", "compute=single",
+             f"over={{{unknown}}}"]  # fmt: skip
     world = unknown.replace(": [", "=").removesuffix("]")
     batch, steps = (
         run(tmp_path_factory.mktemp(engine), *words, f"engine={engine}", "evaluation=direct")
