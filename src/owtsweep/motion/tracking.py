@@ -70,7 +70,7 @@ class SpectrumTracker:
         fixes: the fixes of that time, m, of which the last is a fix interval old, NaN where one was
             lost, and what is known of them; None: the force alone is looked at.
         """
-        count = find_length(len(force), self.step)
+        count = _find_length(len(force), self.step)
         if count is None:
             return None
         whole = self._cut(force, fixes, count)
@@ -167,7 +167,7 @@ def _list_above(length: int, step: float, edge: float) -> tuple[slice[int], Arra
     return above, omega**2, omega**4
 
 
-def find_length(available: int, step: float) -> int | None:
-    """Return how many samples are looked at: few numbers, because the models of each are kept."""
+def _find_length(available: int, step: float) -> int | None:
+    """Return how many samples are looked at: one of few numbers, as the models of each are kept."""
     times = (LEAST, OF_VARIANCE, 90.0, 120.0, 180.0, OF_SHAPE)
     return max((n for n in (round(time / step) for time in times) if n <= available), default=None)

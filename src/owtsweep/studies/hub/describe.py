@@ -170,15 +170,14 @@ def tell_window(window: str, settling: float | None = None) -> str:
 def tell_not_asked(config: HubConfig) -> list[str]:
     """Return a sentence on SKFA, which may be better, if it could take part and does not.
 
-    It is not in the default list, because it costs some 9 s of a processor per record of the
+    It is not in the default list, because it costs some 25 s of a processor per record of the
     default map.
     """
     if "SKFA" in scheme_names(config) or not find_world(config).has_spectrum:
         return []
     return [
-        "Not asked: SKFA, which tracks the sea. Where fixes have no outliers and the sea one peak, "
-        "its error is at most that of these (docs/better.md); sweep schemes=[HME1,SKFA] compares "
-        "it."
+        "Not asked: SKFA, which tracks the sea. Where that keeps its spectrum for minutes, its "
+        "error is at most that of these (docs/better.md); sweep schemes=[HME1,SKFA] compares it."
     ]
 
 
