@@ -158,7 +158,7 @@ class Stretch:
 
 
 def pick(likelihood: Array) -> Candidate:
-    """Return the peak with the greatest likelihood, given that of all peaks."""
+    """Return the likeliest peak, given the log likelihood of all, as `Stretch.try_peaks` does."""
     return Candidate(*map(int, np.unravel_index(int(likelihood.argmax()), likelihood.shape)))
 
 
