@@ -167,11 +167,15 @@ def transform(values: Array, step: float, first: float) -> NDArray[np.complex128
 
     first: what the first sample is of, in s after the window begins.
     """
-    count = len(values)
+    window, turns = _make_window(len(values), step, first)
+    return np.asarray(step * np.fft.rfft((values - values.mean()) * window) * turns)
+
+
+@lru_cache(64)
+def _make_window(count: int, step: float, first: float) -> tuple[Array, NDArray[np.complex128]]:
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + first / step) / count)
     omega = 2.0 * np.pi * np.fft.rfftfreq(count, step)
-    lines = np.fft.rfft((values - values.mean()) * window)
-    return np.asarray(step * lines * np.exp(-1j * omega * first))
+    return window, np.exp(-1j * omega * first)
 
 
 def find_ordinates(frequency: Array, low: float, high: float) -> slice[int]:

@@ -6,8 +6,8 @@ know, and all numbers that follow from sensors by rule, are those of the configu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -44,6 +44,12 @@ class Untold:
     def tell(self) -> dict[str, str]:
         """Return name of a world -> how it departs, in words."""
         return {name: departure.sentence for name, departure in self.departures.items()}
+
+    def leave_out(self, axes: Iterable[str]) -> Untold:
+        """Return it without the worlds that move one of some axes: those of the map."""
+        mapped = {f"grid.{axis}" for axis in axes}
+        kept = {n: each for n, each in self.departures.items() if not mapped & {*each.keys}}
+        return replace(self, departures=kept)
 
 
 class World(NamedTuple):

@@ -128,8 +128,7 @@ def list_untold(config: BladeConfig) -> Untold:
             "the longitudinal swing takes a fifth longer", {"grid.period": 1.2 * swing}
         ),
     }
-    mapped = {f"grid.{axis}" for axis in config.axes}
-    return Untold(UNTOLD, {n: each for n, each in departures.items() if not mapped & {*each.keys}})
+    return Untold(UNTOLD, departures).leave_out(config.axes)
 
 
 DECLARATION = Declaration(

@@ -176,8 +176,7 @@ def list_untold(config: FloaterConfig) -> Untold:
         ),
         "noisy": Departure("twice the noise: 6 dB less", {"grid.snr": snr}),
     }
-    mapped = {f"grid.{axis}" for axis in config.axes}
-    return Untold(UNTOLD, {n: each for n, each in departures.items() if not mapped & {*each.keys}})
+    return Untold(UNTOLD, departures).leave_out(config.axes)
 
 
 DECLARATION = Declaration(

@@ -149,10 +149,11 @@ class TrackingFilter:
                 result = AxisEstimates(*(array[:steps] for array in result))
                 scores = _score(result)
         measured = force[:steps], fixes[:steps]
-        wide = result if self.model is None else self._wide.take(*measured)
-        self._history[:, self._filled : self._filled + steps] = [
-            *measured, *_judge_fixes(measured[1], result), *_judge_fixes(measured[1], wide),
-        ]  # fmt: skip
+        of_wide = judged = _judge_fixes(measured[1], result)
+        if self.model is not None:
+            of_wide = _judge_fixes(measured[1], self._wide.take(*measured))
+        now = slice(self._filled, self._filled + steps)
+        self._history[:, now] = [*measured, *judged, *of_wide]
         self._filled += steps
         self._steps += steps
         self._fresh.append(scores)
@@ -168,7 +169,7 @@ class TrackingFilter:
         self._scores.append(np.concatenate([np.empty(0), *self._fresh]))
         self._fresh = []
         used = min(self._filled, self._kept + self._between)
-        force = self._tracker.average(self._history[0, self._filled - used : self._filled])
+        force = self._tracker.average(self._history[FORCE, self._filled - used : self._filled])
         interval = self._sensors.fix_interval
         first = self._filled - used + (used - self._steps) % interval
         kept = self._history[:, first : self._filled : interval]
