@@ -167,11 +167,11 @@ def integrate(values: Array, step: float, first: float, f: float) -> complex:
 
 
 def test_the_sizes_are_the_means_that_are_likely() -> None:
-    force = simulate(4.0, 3e-4, 0.01, 60.0).reshape(-1, 5).mean(axis=1)
+    force = simulate(4.0, 3e-4, 0.002, 30.0).reshape(-1, 5).mean(axis=1)
     stretch = Stretch(force, KNOWN)
     sized = stretch.size((Candidate(14, 1, 0),))[0].variance
     likelihood = stretch.try_peaks((), (14, 1))
-    assert sized >= likelihood.argmax()
+    assert sized > likelihood.argmax()  # few ordinates: the mean is larger than the likeliest
     weights = np.exp(likelihood - likelihood.max())
     mean = np.sum(weights * VARIANCES) / np.sum(weights)
     assert abs(np.log(VARIANCES[sized] / mean)) < 0.51 * np.log(VARIANCES[1] / VARIANCES[0])

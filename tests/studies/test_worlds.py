@@ -17,6 +17,7 @@ from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import Records, find_worlds
 from owtsweep.studies.base.contract import identify
 from owtsweep.studies.base.declaration import AnyDeclaration
+from owtsweep.studies.base.worlds import Departure, Untold
 
 SHORT = {
     "hub": [
@@ -236,3 +237,12 @@ def test_the_command_line_refuses_in_one_line(capsys: pytest.CaptureFixture[str]
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("owtsweep: over.world: there is no world 'fog' here; ")
     assert line.endswith("plant_seas, drifting_period")
+
+
+def test_a_world_that_moves_an_axis_of_the_map_is_left_out() -> None:
+    departures = {key: Departure("departs", {key: 1.0}) for key in ("grid.delay", "sensors.jitter")}
+    untold = Untold(("sensors",), departures)
+    assert untold.leave_out(["delay", "snr"]) == Untold(
+        ("sensors",), {"sensors.jitter": departures["sensors.jitter"]}
+    )
+    assert untold.leave_out(["snr"]) == untold
