@@ -16,12 +16,12 @@ from owtsweep.sweep.study import add_versions
 @pytest.mark.parametrize(
     ("name", "version"),
     [
-        ("hub", 8),
-        ("replay", 10),
+        ("hub", 9),
+        ("replay", 11),
         ("tower", 4),
         ("floater", 3),
         ("blade", 2),
-        ("mating", 11),
+        ("mating", 12),
     ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:

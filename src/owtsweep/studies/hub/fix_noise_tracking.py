@@ -44,8 +44,7 @@ class FixNoiseTracker:
         # where fixes are so seldom that motion of the band is folded to below it, nothing is seen
         self._sees = 1.0 / step >= sum(band)
         self._lengths = [round(time / step) for time in TIMES]
-        #: The size that is chosen, m.
-        self.chosen = 0.0
+        self._chosen = 0.0
 
     def look(self, fixes: Array) -> float:
         """Choose a size, m, from the fixes (n,), m, that came since one was lost (NaN)."""
@@ -53,20 +52,20 @@ class FixNoiseTracker:
         count = len(fixes) - (lost[-1] + 1 if len(lost) else 0)
         lengths = [length for length in self._lengths if length <= count]
         if not self._sees or not lengths:
-            return self.chosen
+            return self._chosen
         whole = fixes[-lengths[-1] :]
         constant, inverse, below = _make_models(len(whole), *self._given)
         periodogram = compute_periodogram(whole, self._step, below)
         likelihood = -(constant + inverse @ periodogram) / HANN
-        best, now = int(likelihood.argmax()), SIZES.index(self.chosen)
+        best, now = int(likelihood.argmax()), SIZES.index(self._chosen)
         if likelihood[best] - likelihood[now] > (GAIN_OF_MORE if best > now else GAIN_OF_LESS):
-            self.chosen = SIZES[best]
-        return self.chosen
+            self._chosen = SIZES[best]
+        return self._chosen
 
     def forget(self) -> float:
         """Choose no red noise, and return its size, 0 m."""
-        self.chosen = 0.0
-        return self.chosen
+        self._chosen = 0.0
+        return self._chosen
 
 
 @lru_cache(16)

@@ -24,7 +24,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.candidates import Fixes, Sea
 from owtsweep.motion.tracking import INTERVAL, OF_SHAPE, Motion, SpectrumTracker
-from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker
+from owtsweep.studies.hub.fix_noise_tracking import FixNoiseTracker
 from owtsweep.studies.hub.fix_rules import FixRule
 from owtsweep.studies.hub.lean_tracking import LeanTracker
 from owtsweep.studies.hub.scheme_sections import Skf
@@ -44,7 +44,7 @@ CONFIDENCE, UNKNOWN = 0.999, 0.5
 FEW, ALARM = 4, 1e-5
 #: The variance of a motion, m^2, up to which a gate is patient and red noise is tracked. A larger
 #: one leaves more doubt of the model than of the fixes: there, one fix in a row is refused.
-CALM = 0.1
+CALM = 0.2
 #: The variance, m^2, up to which fixes help the IMU to see the spectrum. In a larger motion they
 #: are not needed, and an outlier that was not refused would be taken for motion.
 FAINT = 0.01
@@ -186,8 +186,6 @@ class TrackingFilter:
             self._tell_wide()
         if wanted is not None and ((wanted, red) != (self.model, self.red) or leans):
             self._change(wanted, above, red)
-            if self.model is None and is_calm:
-                self._try_more_red_noise(wanted, above)
         if self.model is not None:
             scores = np.concatenate([*self._scores, *self._fresh])
             past = self._history[:, self._filled - used : self._filled]
@@ -210,16 +208,6 @@ class TrackingFilter:
         red = self.red if noise is None else noise.look(kept[KEPT]) if is_calm else noise.forget()
         lean = self._tracker.lean if leaning is None else leaning.look(force, kept[FIXES])
         return red, lean
-
-    def _try_more_red_noise(self, model: Sea, above: Motion) -> None:
-        """Take a model that fixes contradict after all, if they may be off by more red noise."""
-        if self._noise_tracker is None:
-            return
-        for red in SIZES:
-            if red > self.red and self.model is None:
-                self._change(model, above, red)
-        if self.model is not None:
-            self._noise_tracker.chosen = self.red
 
     def _change(self, model: Sea, above: Motion, red: float) -> None:
         """Filter the last minute again with another model, and go on with it unless it is wrong.
