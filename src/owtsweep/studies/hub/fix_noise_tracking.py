@@ -3,8 +3,8 @@
 The motion has no part below its band, so what moves there is noise of the fixes. The size of its
 red part is chosen by the Whittle likelihood of those ordinates of the fixes' periodogram, as
 `motion.tracking` chooses the spectrum of the motion. Few ordinates lie there, so sizes are far
-apart, and another size must be clearly more likely before it is taken. The white part is taken
-for what the sensors are said to have: so few ordinates cannot tell it from the red one.
+apart, and another size must be clearly more likely before it is taken. The white part is given:
+so few ordinates cannot tell it from the red one.
 
 A slow motion below the band is taken for noise of the fixes too.
 """
@@ -34,27 +34,29 @@ class FixNoiseTracker:
     """Chooses the size of the fixes' red noise along an axis that the last minutes make likely.
 
     step: time between fixes, s.
-    sigma: standard deviation of the white noise, m.
     time: correlation time of the red noise, s.
     band: edges of the band of the motion, Hz.
     """
 
-    def __init__(self, step: float, sigma: float, time: float, band: tuple[float, float]) -> None:
-        self._step, self._given = step, (step, sigma, time, band[0])
+    def __init__(self, step: float, time: float, band: tuple[float, float]) -> None:
+        self._step, self._given = step, (step, time, band[0])
         # where fixes are so seldom that motion of the band is folded to below it, nothing is seen
         self._sees = 1.0 / step >= sum(band)
         self._lengths = [round(time / step) for time in TIMES]
         self._chosen = 0.0
 
-    def look(self, fixes: Array) -> float:
-        """Choose a size, m, from the fixes (n,), m, that came since one was lost (NaN)."""
+    def look(self, fixes: Array, sigma: float) -> float:
+        """Choose a size, m, from the fixes (n,), m, that came since one was lost (NaN).
+
+        sigma: standard deviation of the white noise, m.
+        """
         lost = np.flatnonzero(np.isnan(fixes))
         count = len(fixes) - (lost[-1] + 1 if len(lost) else 0)
         lengths = [length for length in self._lengths if length <= count]
         if not self._sees or not lengths:
             return self._chosen
         whole = fixes[-lengths[-1] :]
-        constant, inverse, below = _make_models(len(whole), *self._given)
+        constant, inverse, below = _make_models(len(whole), sigma, *self._given)
         periodogram = compute_periodogram(whole, self._step, below)
         likelihood = -(constant + inverse @ periodogram) / HANN
         best, now = int(likelihood.argmax()), SIZES.index(self._chosen)
@@ -70,7 +72,7 @@ class FixNoiseTracker:
 
 @lru_cache(16)
 def _make_models(
-    length: int, step: float, sigma: float, time: float, edge: float
+    length: int, sigma: float, step: float, time: float, edge: float
 ) -> tuple[Array, Array, slice]:
     """Return sums of log densities (sizes,), 1 / densities, and the ordinates that they use."""
     frequency = np.fft.rfftfreq(length, step)

@@ -6,6 +6,7 @@ side by side. A fitted shaping filter is kept in the cache folder, because there
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -42,6 +43,7 @@ def make_sea_model(
     band: tuple[float, float],
     red: float | None = None,
     lean: float | None = None,
+    white: float = 1.0,
 ) -> SpectralAxis:
     """Make the model of one axis for a sea; None: one that assumes next to nothing of the motion.
 
@@ -49,17 +51,19 @@ def make_sea_model(
     band: edges of the band of the motion, Hz.
     red, lean: standard deviation of the fixes' red noise, m, and specific force by leaning, s^-2;
         None: as the tuning says.
+    white: the white noise of fixes over what it is said to be.
     """
     tuning = changed(tuning, bias_variance=bias_variance)
+    told = replace(sensors, position_sigma=white * sensors.position_sigma)
     if lean is not None:
         tuning = changed(tuning, tilt=lean / GRAVITY)
     if sea is None:
-        return make_axis([(_make_wide(band), WIDE_VARIANCE)], tuning, sensors, red)
+        return make_axis([(_make_wide(band), WIDE_VARIANCE)], tuning, told, red)
     peaks = [
         (_fit(peak.period, peak.bandwidth, peak.variance // SHARED, sensors, band), peak.values[2])
         for peak in sea
     ]
-    return make_axis(peaks, tuning, sensors, red)
+    return make_axis(peaks, tuning, told, red)
 
 
 @lru_cache(512)

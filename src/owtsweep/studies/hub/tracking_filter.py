@@ -50,9 +50,18 @@ CALM = 0.2
 FAINT = 0.01
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
+#: How many fixes tell of the level of their white noise: the fewest, and the mean of their squared
+#: scaled innovations if the level is right. Squares count up to the `HIGHEST`, so that few outliers
+#: do not move the mean.
+TELLING, HIGHEST, MEAN = 120, 4.0, 0.921
+#: Between which powers of 2 that mean, over the right one, leaves the level as it is. A level that
+#: is too low by the root of 2 makes a right spectrum seem wrong, and costs up to a factor of 3; one
+#: that is as much too high, 2 %. With 120 fixes, the sum of squares scatters by .16 of a power.
+LOW, HIGH = -1.0, 0.5
 #: Rows of the history: measurements, and what each of two filters made of the fixes: those that it
-#: refused replaced by its predictions, and their log likelihoods.
-FORCE, FIXES, KEPT, LIKELY, KEPT_WIDE, LIKELY_WIDE = range(6)
+#: refused replaced by its predictions, and their log likelihoods. Of the filter that assumes next
+#: to nothing, also the squares of the scaled innovations, refused or not.
+FORCE, FIXES, KEPT, LIKELY, KEPT_WIDE, LIKELY_WIDE, FAR_WIDE = range(7)
 
 
 class TrackingFilter:
@@ -82,14 +91,12 @@ class TrackingFilter:
         # None: the red noise of the fixes is declared
         self._noise_tracker: FixNoiseTracker | None = None
         if tuning.red_sigma is None:
-            self._noise_tracker = FixNoiseTracker(
-                sensors.fix_step, sensors.position_sigma, tuning.red_time, band
-            )
+            self._noise_tracker = FixNoiseTracker(sensors.fix_step, tuning.red_time, band)
         # None: the tilt is declared
         self._lean_tracker: LeanTracker | None = None
         if tuning.track_tilt:
             steps = self._tracker.step, sensors.fix_step
-            self._lean_tracker = LeanTracker(steps, self._delay, sensors.position_sigma, band, lean)
+            self._lean_tracker = LeanTracker(steps, self._delay, band, lean)
         between = int(np.ceil(INTERVAL / sensors.fix_step - 1e-9))
         self._between = between * sensors.fix_interval
         looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
@@ -97,7 +104,7 @@ class TrackingFilter:
         kept = max(self._again + sensors.fix_interval, round(OF_SHAPE / sensors.step))
         self._kept = kept
         # twice as long as what is kept, so that it is seldom moved
-        self._history = np.empty((6, 2 * kept + self._between))
+        self._history = np.empty((7, 2 * kept + self._between))
         self._steps = self._filled = 0
         # steps and biases at the looks of the last minute
         self._biases = deque([(0, 0.0)], maxlen=looks + 2)
@@ -109,9 +116,12 @@ class TrackingFilter:
         self.model: Sea | None = None
         #: Standard deviation of the fixes' red noise in use, m.
         self.red = tuning.red_sigma or 0.0
+        #: The fixes' white noise in use over what it is said to be.
+        self.white = 1.0
+        self._told_at = 0  # the step from which on the level in use shows in the history
         axis = self._make(None, tuning.bias_variance, self.red)
         self._wide = self._filter = start(axis, self._hasty_rule, 0.0)
-        self._told_wide = self.red, lean
+        self._told_wide = self.red, lean, self.white
         self._was_beaten = False
         self._force_sigma = np.inf  # of an IMU sample, by the model
         self._stated = np.zeros((2, 2))  # covariance of the last estimate
@@ -149,11 +159,10 @@ class TrackingFilter:
                 result = AxisEstimates(*(array[:steps] for array in result))
                 scores = _score(result)
         measured = force[:steps], fixes[:steps]
-        of_wide = judged = _judge_fixes(measured[1], result)
-        if self.model is not None:
-            of_wide = _judge_fixes(measured[1], self._wide.take(*measured))
+        wide = result if self.model is None else self._wide.take(*measured)
+        judged, of_wide = (_judge_fixes(measured[1], each) for each in (result, wide))
         now = slice(self._filled, self._filled + steps)
-        self._history[:, now] = [*measured, *judged, *of_wide]
+        self._history[:, now] = [*measured, *judged, *of_wide, _square(wide)]
         self._filled += steps
         self._steps += steps
         self._fresh.append(scores)
@@ -174,17 +183,19 @@ class TrackingFilter:
         first = self._filled - used + (used - self._steps) % interval
         kept = self._history[:, first : self._filled : interval]
         noise = self.red, self._tuning.red_time
-        of_fixes = Fixes(self._sensors.fix_step, self._delay, self._sensors.position_sigma, *noise)
+        is_off = self._look_at_level()
+        sigma = self.white * self._sensors.position_sigma
+        of_fixes = Fixes(self._sensors.fix_step, self._delay, sigma, *noise)
         is_faint = self.model is not None and _sum_variances(self.model) < FAINT
         wanted = self._tracker.look(force, (kept[KEPT], of_fixes) if is_faint else None)
         above = self._tracker.measure_above(force)
         is_calm = wanted is None or _is_calm(wanted)
         red, lean = self._look_at_fixes(kept, force, is_calm)
-        leans = lean != self._tracker.lean
+        is_off |= lean != self._tracker.lean
         self._tracker.lean = lean
-        if self._told_wide != (self.red, lean):
+        if self._told_wide != (self.red, lean, self.white):
             self._tell_wide()
-        if wanted is not None and ((wanted, red) != (self.model, self.red) or leans):
+        if wanted is not None and ((wanted, red) != (self.model, self.red) or is_off):
             self._change(wanted, above, red)
         if self.model is not None:
             scores = np.concatenate([*self._scores, *self._fresh])
@@ -205,9 +216,27 @@ class TrackingFilter:
         is_calm: whether the motion is so small that red noise can be told from it.
         """
         noise, leaning = self._noise_tracker, self._lean_tracker
-        red = self.red if noise is None else noise.look(kept[KEPT]) if is_calm else noise.forget()
-        lean = self._tracker.lean if leaning is None else leaning.look(force, kept[FIXES])
+        sigma = self.white * self._sensors.position_sigma
+        red, lean = self.red, self._tracker.lean
+        if noise is not None:
+            red = noise.look(kept[KEPT], sigma) if is_calm else noise.forget()
+        if leaning is not None:
+            lean = leaning.look(force, kept[FIXES], sigma)
         return red, lean
+
+    def _look_at_level(self) -> bool:
+        """Take another level of the fixes' white noise if theirs is clearly off; return whether."""
+        steps = min(self._steps - self._told_at, self._filled)
+        squares = self._history[FAR_WIDE, self._filled - steps : self._filled]
+        squares = squares[~np.isnan(squares)]
+        if len(squares) < TELLING:
+            return False
+        power = np.log2(np.mean(np.minimum(squares, HIGHEST)) / MEAN)
+        if LOW < power < HIGH:
+            return False
+        self.white *= 2.0 ** (0.5 * np.ceil(power))
+        self._told_at = max(self._steps - self._again, 0)
+        return True
 
     def _change(self, model: Sea, above: Motion, red: float) -> None:
         """Filter the last minute again with another model, and go on with it unless it is wrong.
@@ -238,10 +267,10 @@ class TrackingFilter:
         past[[KEPT, LIKELY]] = past[[KEPT_WIDE, LIKELY_WIDE]]
 
     def _tell_wide(self) -> None:
-        """Let the filter that assumes next to nothing know red noise and lean as they are now."""
-        self._told_wide = self.red, self._tracker.lean
+        """Let the filter that assumes next to nothing know noise and lean as they are now."""
+        self._told_wide = self.red, self._tracker.lean, self.white
         _, self._wide, again, result = self._filter_again(None, self.red, self._hasty_rule)
-        again[KEPT_WIDE], again[LIKELY_WIDE] = _judge_fixes(again[FIXES], result)
+        again[KEPT_WIDE:] = [*_judge_fixes(again[FIXES], result), _square(result)]
         if self.model is None:
             self._give_up()
 
@@ -260,8 +289,9 @@ class TrackingFilter:
 
     def _make(self, model: Sea | None, bias_variance: float, red: float) -> SpectralAxis:
         return make_sea_model(
-            model, bias_variance, self._tuning, self._sensors, self._band, red, self._tracker.lean
-        )
+            model, bias_variance, self._tuning, self._sensors, self._band, red, self._tracker.lean,
+            self.white,
+        )  # fmt: skip
 
 
 def _sum_variances(sea: Sea) -> float:
@@ -279,8 +309,12 @@ def _score(estimates: AxisEstimates) -> Array:
     were refused has its full square, by which the guard gives the model up.
     """
     there = estimates.weight > 0.0
-    squares = estimates.innovation[there] ** 2 / estimates.variance[there]
-    return np.asarray(estimates.weight[there] * squares)
+    return np.asarray((estimates.weight * _square(estimates))[there])
+
+
+def _square(estimates: AxisEstimates) -> Array:
+    """Return the squares of the scaled innovations (steps,), NaN without a fix."""
+    return estimates.innovation**2 / estimates.variance
 
 
 def _judge_fixes(fixes: Array, estimates: AxisEstimates) -> tuple[Array, Array]:
@@ -290,7 +324,7 @@ def _judge_fixes(fixes: Array, estimates: AxisEstimates) -> tuple[Array, Array]:
     refused does not count.
     """
     innovation, variance, is_refused = *estimates[2:4], estimates.weight == 0.0
-    squares = np.minimum(innovation**2 / variance, _find_limit(1, 1.0 - CONFIDENCE))
+    squares = np.minimum(_square(estimates), _find_limit(1, 1.0 - CONFIDENCE))
     likely = np.where(is_refused, np.nan, -0.5 * (np.log(variance) + squares))
     return np.where(is_refused, fixes - innovation, fixes), likely
 
