@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -135,12 +136,25 @@ def test_the_size_of_red_noise_is_chosen_from_what_fixes_show_below_the_band() -
     red = draw_gauss_markov(rng, count, sigma=0.1, time=300.0, step=1.0, axes=1)[:, 0]
     for fixes, sizes in ((white, {0.0}), (white + swing, {0.0}), (white + red + swing, SIZES[1:])):
         fixes[[100, 101]] = np.nan
-        tracker = FixNoiseTracker(1.0, 0.03, 300.0, BAND)
-        chosen = [tracker.look(fixes[:stop]) for stop in range(30, count, 10)]
+        tracker = FixNoiseTracker(1.0, 300.0, BAND)
+        chosen = [tracker.look(fixes[:stop], 0.03) for stop in range(30, count, 10)]
         assert chosen[0] == 0.0
         assert set(chosen[25:]) <= set(sizes)
     # at a fix every 2 s, motion at .5 Hz looks like a standing hub
-    assert FixNoiseTracker(2.0, 0.03, 300.0, BAND).look(red) == 0.0
+    assert FixNoiseTracker(2.0, 300.0, BAND).look(red, 0.03) == 0.0
+
+
+@pytest.mark.usefixtures("kernels")
+def test_fixes_noisier_or_quieter_than_said_cost_little() -> None:
+    """Levels are rounded up: one that is too low makes a right spectrum seem wrong."""
+    config = configure("sensors=strong_bias", "record.duration=600", "sensors.imu.rate=20")
+    _, right, _ = run(config, 0.1)
+    for told, least, most in ((1.0 / 3.0, 2.4, 4.1), (1.0, 0.9, 1.1), (3.0, 0.3, 0.71)):
+        estimators, square, nees = run(config, 0.1, told=told)
+        levels = [filter.white for estimator in estimators for filter in estimator._filters]
+        assert least < np.median(levels) < most
+        assert square < 1.1 * right  # 27 times if a third of the noise were believed
+        assert 0.9 < nees < 1.1
 
 
 @pytest.mark.usefixtures("kernels")
@@ -211,14 +225,18 @@ def test_a_drifting_period_costs_no_more_than_assuming_nothing(
     assert nees < 1.1
 
 
-def run(config: Any, amplitude: float, count: int = 3) -> tuple[Any, Any, float]:
-    """Return the estimators, mean square position errors after 120 s, and the mean of NEES / 4."""
+def run(config: Any, amplitude: float, count: int = 3, told: float = 1.0) -> tuple[Any, Any, float]:
+    """Return the estimators, mean square position errors after 120 s, and the mean of NEES / 4.
+
+    told: the noise of fixes that SKFA is told, over the true one.
+    """
     records = make_records_at(config, {"natural_period": 4.0}, list(range(count)))
     sensors, first = records.sensors, round(120.0 / records.sensors.step)
+    known = Known(replace(sensors, position_sigma=told * sensors.position_sigma), config)
     estimators, squares, nees = [], [], []
     for motion, noise in zip(records.motion, records.noise, strict=True):
         seen = observe(motion, records.direction, sensors)
-        estimator = SKFA.stream(Known(sensors, config))
+        estimator = SKFA.stream(known)
         fixes = np.full((len(seen.specific_force), 2), np.nan)
         fixes[:: sensors.fix_interval] = amplitude * seen.fixes + noise.fixes
         out = estimator.run_record(amplitude * seen.specific_force + noise.specific_force, fixes)

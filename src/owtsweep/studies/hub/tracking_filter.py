@@ -58,6 +58,9 @@ TELLING, HIGHEST, MEAN = 120, 4.0, 0.921
 #: is too low by the root of 2 makes a right spectrum seem wrong, and costs up to a factor of 3; one
 #: that is as much too high, 2 %. With 120 fixes, the sum of squares scatters by .16 of a power.
 LOW, HIGH = -1.0, 0.5
+#: The greatest level, and the least one's inverse. A greater misfit is no matter of fixes alone: an
+#: IMU that feels nothing of a motion would be believed.
+MOST = 4.0
 #: Rows of the history: measurements, and what each of two filters made of the fixes: those that it
 #: refused replaced by its predictions, and their log likelihoods. Of the filter that assumes next
 #: to nothing, also the squares of the scaled innovations, refused or not.
@@ -232,10 +235,10 @@ class TrackingFilter:
         if len(squares) < TELLING:
             return False
         power = np.log2(np.mean(np.minimum(squares, HIGHEST)) / MEAN)
-        if LOW < power < HIGH:
+        level = float(np.clip(self.white * 2.0 ** (0.5 * np.ceil(power)), 1.0 / MOST, MOST))
+        if LOW < power < HIGH or level == self.white:
             return False
-        self.white *= 2.0 ** (0.5 * np.ceil(power))
-        self._told_at = max(self._steps - self._again, 0)
+        self.white, self._told_at = level, max(self._steps - self._again, 0)
         return True
 
     def _change(self, model: Sea, above: Motion, red: float) -> None:
