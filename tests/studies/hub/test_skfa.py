@@ -16,7 +16,7 @@ from owtsweep.motion.tracking import SpectrumTracker
 from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker
+from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker, find_level
 from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.records import make_records_at
@@ -142,6 +142,23 @@ def test_the_size_of_red_noise_is_chosen_from_what_fixes_show_below_the_band() -
         assert set(chosen[25:]) <= set(sizes)
     # at a fix every 2 s, motion at .5 Hz looks like a standing hub
     assert FixNoiseTracker(2.0, 300.0, BAND).look(red, 0.03) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("true", "level", "found"),
+    [(1.0, 1.0, 1.0), (1.3, 1.0, 1.0), (1.6, 1.0, 1.6**0.5), (0.6, 1.0, 1.0), (0.35, 2.0, 1.4),
+     (100.0, 1.0, 2.0), (0.0, 1.0, 0.25)],
+)  # fmt: skip
+def test_the_level_of_the_noise_follows_the_squares_of_innovations(
+    true: float, level: float, found: float
+) -> None:
+    """`true` is their mean; half of the steps have no fix; a few outliers do not count."""
+    squares = np.full(2000, np.nan)
+    squares[::2] = true * np.random.default_rng(4).standard_normal(1000) ** 2
+    assert find_level(squares[:200], level) == level  # too few
+    assert find_level(squares, level) == pytest.approx(found, abs=0.15)
+    squares[:20] *= 1e4
+    assert find_level(squares, level) == pytest.approx(found, abs=0.15)
 
 
 @pytest.mark.usefixtures("kernels")

@@ -24,7 +24,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.candidates import Fixes, Sea
 from owtsweep.motion.tracking import INTERVAL, OF_SHAPE, Motion, SpectrumTracker
-from owtsweep.studies.hub.fix_noise_tracking import FixNoiseTracker
+from owtsweep.studies.hub.fix_noise_tracking import FixNoiseTracker, find_level
 from owtsweep.studies.hub.fix_rules import FixRule
 from owtsweep.studies.hub.lean_tracking import LeanTracker
 from owtsweep.studies.hub.scheme_sections import Skf
@@ -50,17 +50,6 @@ CALM = 0.2
 FAINT = 0.01
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
-#: How many fixes tell of the level of their white noise: the fewest, and the mean of their squared
-#: scaled innovations if the level is right. Squares count up to the `HIGHEST`, so that few outliers
-#: do not move the mean.
-TELLING, HIGHEST, MEAN = 120, 4.0, 0.921
-#: Between which powers of 2 that mean, over the right one, leaves the level as it is. A level that
-#: is too low by the root of 2 makes a right spectrum seem wrong, and costs up to a factor of 3; one
-#: that is as much too high, 2 %. With 120 fixes, the sum of squares scatters by .16 of a power.
-LOW, HIGH = -1.0, 0.5
-#: The greatest level, and the least one's inverse. A greater misfit is no matter of fixes alone: an
-#: IMU that feels nothing of a motion would be believed.
-MOST = 4.0
 #: Rows of the history: measurements, and what each of two filters made of the fixes: those that it
 #: refused replaced by its predictions, and their log likelihoods. Of the filter that assumes next
 #: to nothing, also the squares of the scaled innovations, refused or not.
@@ -162,8 +151,11 @@ class TrackingFilter:
                 result = AxisEstimates(*(array[:steps] for array in result))
                 scores = _score(result)
         measured = force[:steps], fixes[:steps]
-        wide = result if self.model is None else self._wide.take(*measured)
-        judged, of_wide = (_judge_fixes(measured[1], each) for each in (result, wide))
+        wide = result
+        of_wide = judged = _judge_fixes(measured[1], result)
+        if self.model is not None:
+            wide = self._wide.take(*measured)
+            of_wide = _judge_fixes(measured[1], wide)
         now = slice(self._filled, self._filled + steps)
         self._history[:, now] = [*measured, *judged, *of_wide, _square(wide)]
         self._filled += steps
@@ -228,18 +220,13 @@ class TrackingFilter:
         return red, lean
 
     def _look_at_level(self) -> bool:
-        """Take another level of the fixes' white noise if theirs is clearly off; return whether."""
+        """Take the level of the fixes' white noise that is likely; return whether it is another."""
         steps = min(self._steps - self._told_at, self._filled)
-        squares = self._history[FAR_WIDE, self._filled - steps : self._filled]
-        squares = squares[~np.isnan(squares)]
-        if len(squares) < TELLING:
-            return False
-        power = np.log2(np.mean(np.minimum(squares, HIGHEST)) / MEAN)
-        level = float(np.clip(self.white * 2.0 ** (0.5 * np.ceil(power)), 1.0 / MOST, MOST))
-        if LOW < power < HIGH or level == self.white:
-            return False
-        self.white, self._told_at = level, max(self._steps - self._again, 0)
-        return True
+        level = find_level(self._history[FAR_WIDE, self._filled - steps : self._filled], self.white)
+        is_other = level != self.white
+        if is_other:
+            self.white, self._told_at = level, max(self._steps - self._again, 0)
+        return is_other
 
     def _change(self, model: Sea, above: Motion, red: float) -> None:
         """Filter the last minute again with another model, and go on with it unless it is wrong.
