@@ -64,15 +64,15 @@ class Advice:
         yield from describe.tell_answer(answer)
         if quick:
             return
-        self.closer = measure_closely(self.question, answer, progress)
-        if self.closer is not None:
-            yield describe.tell_closer(self.closer, answer)
         yield describe.HEADING_OF_LEVERS
         for pulled in pull_levers(self.question, answer):
             self.levers.append(pulled)
             yield describe.tell_pulled(pulled, answer)
         yield describe.tell_most(self.levers)
         yield from self._tell_worlds(answer)
+        self.closer = measure_closely(self.question, answer, progress)  # it takes the longest
+        if self.closer is not None:
+            yield describe.tell_closer(self.closer, answer)
 
     def _tell_worlds(self, answer: Answer) -> Iterator[str]:
         if not self.question.study.list_worlds(self.question.config):

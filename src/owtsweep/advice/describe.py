@@ -56,8 +56,9 @@ def tell_answer(given: Answer) -> list[str]:
 
 
 def tell_closer(closer: Error, given: Answer) -> str:
-    """Return the error of the best contender over more records, in a sentence."""
-    return f"Over more records its error is {_show(closer, given.found.criterion)}."
+    """Return the error of the advised contender over more records, in a sentence."""
+    error = _show(closer, given.found.criterion)
+    return f"Over more records the error of {given.best} is {error}."
 
 
 def _show(error: Error, criterion: Criterion) -> str:

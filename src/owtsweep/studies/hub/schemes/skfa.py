@@ -1,6 +1,6 @@
 """SKFA: SKF that is given nothing, and tracks the spectrum and the variance of the motion itself.
 
-It is for steady seas. It refuses outlying fixes, and tracks their red noise and the tilt of the IMU
+It is for steady seas. It refuses outlying fixes, and tracks their noise and the tilt of the IMU
 (docs/better.md, "Bad fixes"). See `motion.tracking` for how a spectrum is chosen, and
 `tracking_filter` for what follows from it.
 """
