@@ -26,9 +26,8 @@ from owtsweep.motion.tracking import compute_periodogram
 SIZES = (0.0, 0.03, 0.1, 0.3)
 #: Times from which the periodogram is made, s; the longest one for which there are fixes is used.
 TIMES = (120.0, 240.0)
-#: By how much the log likelihood of a greater or of a smaller size must be greater before it is
-#: taken. Red noise that is assumed in vain costs a large motion more than some that is missed.
-GAIN_OF_MORE, GAIN_OF_LESS = 5.0, 1.0
+#: By how much the log likelihood of another size must be greater before it is taken.
+GAIN = 5.0
 #: Number of ordinates below the band into which much of a large motion leaks.
 LEAKS = 3
 #: How many fixes tell of the level of their white noise: the fewest, and the mean of their squared
@@ -74,7 +73,7 @@ class FixNoiseTracker:
         periodogram = compute_periodogram(whole, self._step, below)
         likelihood = -(constant + inverse @ periodogram) / HANN
         best, now = int(likelihood.argmax()), SIZES.index(self._chosen)
-        if likelihood[best] - likelihood[now] > (GAIN_OF_MORE if best > now else GAIN_OF_LESS):
+        if likelihood[best] - likelihood[now] > GAIN:
             self._chosen = SIZES[best]
         return self._chosen
 
