@@ -30,6 +30,7 @@ class LeanTracker:
 
     steps: sampling interval of the averaged force, and time between fixes, s.
     delay: age of the position that a fix reports, s.
+    sigma: standard deviation of a fix's white noise, m.
     band: edges of the band of the motion, Hz.
     lean: the lean to begin with, s^-2.
     """
@@ -38,20 +39,20 @@ class LeanTracker:
         self,
         steps: tuple[float, float],
         delay: float,
+        sigma: float,
         band: tuple[float, float],
         lean: float,
     ) -> None:
-        self._steps, self._delay = steps, delay
+        self._steps, self._delay, self._sigma = steps, delay, sigma
         # above, motion of the band's upper part is folded back
         self._band = band[0], min(band[1], 1.0 / steps[1] - band[1])
         #: The lean that is chosen, s^-2.
         self.chosen = lean
 
-    def look(self, force: Array, fixes: Array, sigma: float) -> float:
+    def look(self, force: Array, fixes: Array) -> float:
         """Estimate the lean from the averaged force (n,) and the fixes (m,) up to now.
 
         Fixes are m; the last one is a fix interval old. Those before a lost one (NaN) do not count.
-        sigma: standard deviation of a fix's white noise, m.
         """
         lost = np.flatnonzero(np.isnan(fixes))
         count = len(fixes) - (lost[-1] + 1 if len(lost) else 0)
@@ -59,7 +60,7 @@ class LeanTracker:
         times = [time for time in TIMES if time <= passed]
         if not times:
             return self.chosen
-        found = self._compare(force, fixes, sigma, times[-1])
+        found = self._compare(force, fixes, times[-1])
         if found is not None:
             lean, sigma = found
             nearest = STEP * round((lean - self.chosen) / STEP)
@@ -67,7 +68,7 @@ class LeanTracker:
                 self.chosen += nearest
         return self.chosen
 
-    def _compare(self, force: Array, fixes: Array, sigma: float, time: float) -> _Found | None:
+    def _compare(self, force: Array, fixes: Array, time: float) -> _Found | None:
         """Return the lean, s^-2, and its standard deviation; None if the motion is too small."""
         counts = [round(time / step) for step in self._steps]
         frequency = np.fft.rfftfreq(counts[0], self._steps[0])
@@ -78,7 +79,7 @@ class LeanTracker:
         inside = slice(int(low), min(int(high), len(of_fixes)))
         omega = 2.0 * np.pi * frequency[inside]
         F, X = of_force[inside], of_fixes[inside]
-        noise = sigma**2 * self._steps[1] * time * HANN_SQUARE
+        noise = self._sigma**2 * self._steps[1] * time * HANN_SQUARE
         clear = np.abs(F) ** 2 > CLEAR * noise * omega**4
         if np.count_nonzero(clear) < FEWEST:
             return None

@@ -88,7 +88,7 @@ class TrackingFilter:
         self._lean_tracker: LeanTracker | None = None
         if tuning.track_tilt:
             steps = self._tracker.step, sensors.fix_step
-            self._lean_tracker = LeanTracker(steps, self._delay, band, lean)
+            self._lean_tracker = LeanTracker(steps, self._delay, sensors.position_sigma, band, lean)
         between = int(np.ceil(INTERVAL / sensors.fix_step - 1e-9))
         self._between = between * sensors.fix_interval
         looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
@@ -216,7 +216,7 @@ class TrackingFilter:
         if noise is not None:
             red = noise.look(kept[KEPT], sigma) if is_calm else noise.forget()
         if leaning is not None:
-            lean = leaning.look(force, kept[FIXES], sigma)
+            lean = leaning.look(force, kept[FIXES])
         return red, lean
 
     def _look_at_level(self) -> bool:
