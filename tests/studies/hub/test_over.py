@@ -179,7 +179,7 @@ def test_the_default_answer_quotes_the_stored_sweep_over_worlds() -> None:
     (line,) = quote_worlds(compose([]))
     assert line.startswith("If the world is another one, by a stored sweep of 9 cells of its own")
     assert "(4 6 8 s; 10 worlds, `owtsweep sweep experiment=worlds`, 2026-" in line
-    assert "times the least error, in plant_seas" in line
+    assert "times the least error, in red_fixes" in line
     for other in (
         ["experiment=worlds"], ["sensors=strong_bias"], ["tuning=paper"], ["motion=plant"],
         ["motion.pace=[[0,1.1]]"],
