@@ -122,6 +122,11 @@ class TrackingFilter:
     def bias(self) -> float:
         return self._filter.bias
 
+    @property
+    def _sigma(self) -> float:
+        """Standard deviation of the fixes' white noise in use, m."""
+        return self.white * self._sensors.position_sigma
+
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
         parts, done = [], 0
         while done < len(force):
@@ -179,8 +184,7 @@ class TrackingFilter:
         kept = self._history[:, first : self._filled : interval]
         noise = self.red, self._tuning.red_time
         is_off = self._look_at_level()
-        sigma = self.white * self._sensors.position_sigma
-        of_fixes = Fixes(self._sensors.fix_step, self._delay, sigma, *noise)
+        of_fixes = Fixes(self._sensors.fix_step, self._delay, self._sigma, *noise)
         is_faint = self.model is not None and _sum_variances(self.model) < FAINT
         wanted = self._tracker.look(force, (kept[KEPT], of_fixes) if is_faint else None)
         above = self._tracker.measure_above(force)
@@ -211,10 +215,9 @@ class TrackingFilter:
         is_calm: whether the motion is so small that red noise can be told from it.
         """
         noise, leaning = self._noise_tracker, self._lean_tracker
-        sigma = self.white * self._sensors.position_sigma
         red, lean = self.red, self._tracker.lean
         if noise is not None:
-            red = noise.look(kept[KEPT], sigma) if is_calm else noise.forget()
+            red = noise.look(kept[KEPT], self._sigma) if is_calm else noise.forget()
         if leaning is not None:
             lean = leaning.look(force, kept[FIXES])
         return red, lean
