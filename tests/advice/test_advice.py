@@ -59,6 +59,8 @@ def test_the_closer_error_is_the_mean_of_more_records(advice, tmp_path, monkeypa
     mean = squares(["grid.replicates=40"], best).mean()
     assert advice.closer.n == 40
     assert advice.closer.value == pytest.approx(np.sqrt(mean), rel=1e-9)
+    # it takes the longest, so it comes last
+    assert advice.lines[-1].startswith(f"Over more records the error of {best} is ")
 
 
 def test_a_lever_is_the_ratio_of_paired_sweeps(advice, tmp_path, monkeypatch):

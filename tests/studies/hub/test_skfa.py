@@ -140,6 +140,13 @@ def test_the_size_of_red_noise_is_chosen_from_what_fixes_show_below_the_band() -
         chosen = [tracker.look(fixes[:stop], 0.03) for stop in range(30, count, 10)]
         assert chosen[0] == 0.0
         assert set(chosen[25:]) <= set(sizes)
+    missed = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        red = draw_gauss_markov(rng, 1200, sigma=0.1, time=300.0, step=1.0, axes=1)[:, 0]
+        fixes, tracker = red + 0.03 * rng.standard_normal(1200), FixNoiseTracker(1.0, 300.0, BAND)
+        missed += [tracker.look(fixes[:stop], 0.03) < 0.1 for stop in range(240, 1200, 10)]
+    assert np.mean(missed) < 0.03  # a size that was seen is not lowered by chance
     # at a fix every 2 s, motion at .5 Hz looks like a standing hub
     assert FixNoiseTracker(2.0, 300.0, BAND).look(red, 0.03) == 0.0
 
@@ -147,7 +154,7 @@ def test_the_size_of_red_noise_is_chosen_from_what_fixes_show_below_the_band() -
 @pytest.mark.parametrize(
     ("true", "level", "found"),
     [(1.0, 1.0, 1.0), (1.3, 1.0, 1.0), (1.6, 1.0, 1.6**0.5), (0.6, 1.0, 1.0), (0.35, 2.0, 1.4),
-     (100.0, 1.0, 2.0), (0.0, 1.0, 0.25)],
+     (3.0, 1.0, 2.0), (100.0, 1.0, 2.0), (0.0, 1.0, 0.25)],
 )  # fmt: skip
 def test_the_level_of_the_noise_follows_the_squares_of_innovations(
     true: float, level: float, found: float
@@ -172,6 +179,16 @@ def test_fixes_noisier_or_quieter_than_said_cost_little() -> None:
         assert least < np.median(levels) < most
         assert square < 1.1 * right  # 27 times if a third of the noise were believed
         assert 0.9 < nees < 1.1
+
+
+@pytest.mark.usefixtures("kernels")
+def test_a_gate_is_patient_with_bursts_while_the_hub_swings_widely() -> None:
+    words = ["sensors=strong_bias", "record.duration=600", "sensors.imu.rate=20"]
+    bursts = ["sensors.gnss.outliers.rate=0.05", "sensors.gnss.outliers.length=5"]
+    _, clean, _ = run(configure(*words), 0.8)
+    _, square, nees = run(configure(*words, *bursts), 0.8)
+    assert square < 1.5 * clean  # with a gate in haste 3.3 times
+    assert nees < 1.3
 
 
 @pytest.mark.usefixtures("kernels")
