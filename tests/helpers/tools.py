@@ -12,9 +12,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from omegaconf import OmegaConf
 
-from owtsweep.config import as_mapping
-from owtsweep.studies import compose, from_mapping
-from owtsweep.studies.base import blocks
+from owtsweep.config import Config, as_mapping
+from owtsweep.config.stored import resolved
+from owtsweep.studies import compose, make_config
+from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
@@ -57,6 +58,12 @@ def configure(*overrides: str, tuning: str = "paper") -> HubConfig:
     config = from_mapping(merged)
     assert isinstance(config, HubConfig)
     return config
+
+
+def from_mapping(mapping: object) -> Config:
+    """The configuration in an OmegaConf object that may hold interpolations."""
+    plain = resolved(mapping)
+    return make_config(plain, plain["study"])
 
 
 def whole_series(records: Records, amplitude: float, index: int = 0) -> Measured:
@@ -161,14 +168,14 @@ class Key(NamedTuple):
 
 def plan_blocks(config: HubConfig) -> list[Block]:
     """The blocks of a configuration that runs records."""
-    return blocks.plan(find_declaration(config), config)
+    return DeclaredBlocks(find_declaration(config)).plan(config)
 
 
 def run_blocks(
     config: HubConfig, of_group: Sequence[Block]
 ) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; each with its rows."""
-    return blocks.run(find_declaration(config), config, of_group)
+    return DeclaredBlocks(find_declaration(config)).run(config, of_group)
 
 
 def rows_of(config: HubConfig) -> dict[Key, dict[str, Any]]:

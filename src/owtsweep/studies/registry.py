@@ -13,19 +13,17 @@ checked.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
-from owtsweep.config import Config, Tree, admit, checked, compose_plain, conf_directory, require
-from owtsweep.config.common import TREES
+from owtsweep.config import Config, Plain, admit, checked, compose_plain, conf_directory, require
+from owtsweep.config.common import TREES, Tree
 from owtsweep.config.hints import suggest_name
-from owtsweep.config.stored import resolved
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies import registry
 from owtsweep.sweep.study import Study, broken_study
 
 #: The entry-point group of other packages' studies.
@@ -106,18 +104,9 @@ def list_schemes(name: str) -> Mapping[str, str]:
     return get_study(name).schemes()
 
 
-@runtime_checkable
-class Ranked(Protocol):
-    """A study whose schemes have a simplicity, by which ties are broken."""
-
-    def list_simplicity(self) -> Mapping[str, int]:
-        """Return name -> simplicity of each scheme; no two are equal."""
-
-
 def list_simplicity(name: str) -> Mapping[str, int]:
     """Return name -> simplicity of the schemes of the study called `name`; {} if it says none."""
-    study = get_study(name)
-    return study.list_simplicity() if isinstance(study, Ranked) else {}
+    return get_study(name).list_simplicity()
 
 
 def list_serving(command: str) -> str:
@@ -127,11 +116,9 @@ def list_serving(command: str) -> str:
     """
     serving = []
     for name in names():
-        try:
+        with suppress(InputError):
             if command in get_study(name).commands:
                 serving.append(name)
-        except InputError:
-            continue
     return ", ".join(serving)
 
 
@@ -202,12 +189,9 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     file is not `primary`, so that another command runs the study.
     """
     name, others = _take_out_study(overrides)
-    if name is None:
-        default = next(n for n, entry in registry.OURS.items() if entry.primary == primary)
-        tree = registry.find_tree(default)
-        return Located(None, tree, admit(tree, others))
-    _check_command(name, primary)
-    tree = registry.find_tree(name)
+    if name is not None:
+        _check_command(name, primary)
+    tree = find_tree(name or next(n for n, entry in OURS.items() if entry.primary == primary))
     return Located(name, tree, admit(tree, others))
 
 
@@ -226,30 +210,24 @@ def compose(
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
-    study = str(plain.get("study", located.study or registry.DEFAULT))
+    study = str(plain.get("study", located.study or DEFAULT))
     require(
         located.study in (None, study),
         f"study: {located.study!r} is named, but the study's files or another override name "
         f"{study!r}; name only one study",
     )
     _check_command(study, primary)
-    return _checked(plain, study)
+    return make_config(plain, study)
 
 
-def from_mapping(mapping: Any) -> Config:
-    """Return a composed or stored configuration with its types converted and its values checked.
+def make_config(plain: Plain, study: str) -> Config:
+    """Return the configuration of a study, with types converted and values checked.
 
-    The model is that of the mapping's key `study`, or else of "hub".
     Raise `InputError` for an unknown study, an unknown key (the message suggests the nearest known
     one), a wrong type or an impossible value.
     """
-    return _checked(resolved(mapping))
-
-
-def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
-    name = study or str(plain.get("study", registry.DEFAULT))
-    chosen = registry.get_study(name)
-    config: Config = checked(chosen.config_type(), chosen.complete({**plain, "study": name}))
+    chosen = get_study(study)
+    config: Config = checked(chosen.config_type(), chosen.complete({**plain, "study": study}))
     chosen.check(config)
     chosen.check_over(config)
     chosen.check_outside(config)
@@ -258,7 +236,7 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
 
 def _check_command(study: str, primary: str) -> None:
     """Raise `InputError` if another command runs the study: its main YAML file is not `primary`."""
-    needed = registry.find_entry(study).primary
+    needed = find_entry(study).primary
     if needed == primary:
         return
     if primary == "sweep":
@@ -293,9 +271,9 @@ def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
             continue
         require(
             key == "study" and value != "",
-            f"{override}: name a study, e.g. study={registry.DEFAULT}",
+            f"{override}: name a study, e.g. study={DEFAULT}",
         )
         require("," not in value, f"study: {value!r} are several studies; run one at a time")
         name = value.strip("'\"")
-        registry.find_entry(name)
+        find_entry(name)
     return name, others

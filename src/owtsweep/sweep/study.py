@@ -275,6 +275,10 @@ class Study(ABC):
         """Return facts on one of `schemes` in words, for `list`: its size, its keys, and so on."""
         return {}
 
+    def list_simplicity(self) -> Mapping[str, int]:
+        """Return name -> simplicity of each of `schemes`, by which ties are broken."""
+        return {}
+
     def complete(self, plain: Plain) -> Plain:
         """Return composed keys with the values that follow from other keys filled in.
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
-from tools import configure
+from tools import configure, from_mapping
 
 from owtsweep.config import as_mapping, changed
 from owtsweep.errors import InputError
-from owtsweep.studies import compose, from_mapping
+from owtsweep.studies import compose
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import sensors
 from owtsweep.studies.hub.study import HubStudy

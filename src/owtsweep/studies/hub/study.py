@@ -91,7 +91,7 @@ class HubStudy(HubKeys):
         return SCHEMES.describe_one(name)
 
     def list_simplicity(self) -> dict[str, int]:
-        """Return name -> simplicity of each scheme and baseline, as `registry.Ranked` says."""
+        """Return name -> simplicity of each scheme and baseline, as `Study` says."""
         return SCHEMES.list_simplicity()
 
     def config_type(self) -> type[HubConfig]:
