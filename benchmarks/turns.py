@@ -22,7 +22,7 @@ from benchmarks import STUDY
 from benchmarks.timing import Time, timed
 from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base import blocks
+from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.schemes import chained
 from owtsweep.sweep.run import sweep
@@ -78,12 +78,12 @@ def _whole(overrides: Sequence[str]) -> float:
 def compute(config: Any, threads: int) -> None:
     """Compute all groups of a study's plan on some threads, and discard the results."""
     groups: dict[str, list[Any]] = {}
-    declaration = find_declaration(config)
-    for block in blocks.plan(declaration, config):
+    blocks = DeclaredBlocks(find_declaration(config))
+    for block in blocks.plan(config):
         groups.setdefault(block.group, []).append(block)
 
     def work(group: list[Any]) -> None:
-        for _ in blocks.run(declaration, config, group):
+        for _ in blocks.run(config, group):
             pass
 
     with ThreadPoolExecutor(threads) as pool:

@@ -44,7 +44,7 @@ def _yaml_is_parsed_once() -> Iterator[None]:
 def kernels() -> None:
     """Compile the hub study's kernels (or load them from numba's cache) once per session."""
     from owtsweep.studies import compose
-    from owtsweep.studies.base import blocks
+    from owtsweep.studies.base.blocks import DeclaredBlocks
     from owtsweep.studies.hub.declaration import find_declaration
 
     small = [
@@ -54,6 +54,6 @@ def kernels() -> None:
     ]  # fmt: skip
     for evaluation in ("superposed", "direct"):
         config = compose([*small, f"evaluation={evaluation}"])
-        declaration = find_declaration(config)  # type: ignore[arg-type]
-        for _ in blocks.run(declaration, config, blocks.plan(declaration, config)):
+        blocks = DeclaredBlocks(find_declaration(config))  # type: ignore[arg-type]
+        for _ in blocks.run(config, blocks.plan(config)):
             pass

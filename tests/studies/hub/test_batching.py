@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from tools import configure
 
-from owtsweep.studies.base import blocks
+from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
@@ -20,13 +20,12 @@ OWN = ("schemes=[SKF,SKFA]", "record.duration=40", "grid.amplitude=[0.7]")
 
 
 def make_rows(declaration: AnyDeclaration, config: HubConfig) -> pd.DataFrame:
-    plan = blocks.plan(declaration, config)
+    blocks = DeclaredBlocks(declaration)
+    plan = blocks.plan(config)
     rows = [
         table
         for group in dict.fromkeys(block.group for block in plan)
-        for _, table in blocks.run(
-            declaration, config, [block for block in plan if block.group == group]
-        )
+        for _, table in blocks.run(config, [block for block in plan if block.group == group])
     ]
     labels = ["scheme", "replicate", "amplitude", "measure", "window"]
     return pd.concat(rows).sort_values(labels, ignore_index=True)

@@ -57,43 +57,6 @@ class PlanPart(NamedTuple):
     holds: Callable[[str, Cell], bool] = lambda scheme, cell: True
 
 
-def plan(
-    declaration: AnyDeclaration,
-    config: AnyConfig,
-    part: PlanPart | None = None,
-) -> list[Block]:
-    """Return all blocks of a configuration, or those of a part of its cells and schemes.
-
-    Raise `InputError` if no scheme can serve the configuration.
-    """
-    declaration.require(config)
-    table = declaration.schemes
-    schemes = [
-        Planned(
-            scheme.name,
-            [*find_ignored(declaration, scheme), *_find_expanded(declaration, config, scheme)],
-            table.describe_content(config, entry, scheme),
-            table.explain_recompute(scheme),
-            scheme.knows_motion,
-        )
-        for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True)
-    ]
-    places = ("world",) if declaration.shared == "truth" else ("world", "sensors")
-    planned = []
-    for name, world in find_worlds(declaration, config).items():
-        blocks = plan_blocks(
-            declaration.axes,
-            config,
-            schemes,
-            _list_content(declaration, config, world),
-            declaration.most_records(config),
-            declaration.axes.find_entering(*places),
-            part,
-        )
-        planned += blocks if config.over is None else [_name_world(block, name) for block in blocks]
-    return planned
-
-
 def find_worlds(declaration: AnyDeclaration, config: AnyConfig) -> dict[str, World]:
     """Return name -> world of a configuration, the nominal one first."""
     return make_worlds(declaration.axes, declaration.list_untold(config), config)
@@ -116,14 +79,10 @@ def _list_content(
 
 
 def _name_world(block: Block, world: str) -> Block:
-    if world == NOMINAL:
-        return replace(block, worlds=(world,))
-    return replace(
-        block,
-        group=f"{world}, {block.group}",
-        label=f"{block.label}, {world}",
-        worlds=(world,),
-    )
+    group, label = block.group, block.label
+    if world != NOMINAL:
+        group, label = f"{world}, {group}", f"{label}, {world}"
+    return replace(block, group=group, label=label, worlds=(world,))
 
 
 def plan_blocks(
@@ -191,22 +150,6 @@ def _find_expanded(
     if superposes is None or not superposes(config, scheme):
         return ()
     return declaration.axes.find_entering("scale")
-
-
-def run(
-    declaration: AnyDeclaration, config: AnyConfig, blocks: Sequence[Block]
-) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of one group; yield each with its rows.
-
-    Truth and measurements are made once for all successive blocks of some records, of all tunings.
-    What a scheme raises is the reason of its failed rows, and stops no other.
-    """
-    worlds = find_worlds(declaration, config)
-    for numbers, of_records in groupby(blocks, lambda block: block.content["replicates"]):
-        world = worlds[blocks[0].worlds[0] if blocks[0].worlds else NOMINAL]
-        records = Records(declaration, config, range(*numbers), world)
-        for _, of_tuning in groupby(of_records, lambda block: block.tunings[:1]):
-            yield from _run_one_tuning(declaration, list(of_tuning), records, config)
 
 
 def _run_one_tuning(
@@ -383,14 +326,48 @@ class DeclaredBlocks:
         self.declaration = declaration
 
     def plan(self, config: AnyConfig, part: PlanPart | None = None) -> list[Block]:
-        """Return all blocks of a configuration, or those of a part of its cells and schemes."""
-        return plan(self.declaration, config, part)
+        """Return all blocks of a configuration, or those of a part of its cells and schemes.
+
+        Raise `InputError` if no scheme can serve the configuration.
+        """
+        made, table = self.declaration, self.declaration.schemes
+        made.require(config)
+        schemes = [
+            Planned(
+                scheme.name,
+                [*find_ignored(made, scheme), *_find_expanded(made, config, scheme)],
+                table.describe_content(config, entry, scheme),
+                table.explain_recompute(scheme),
+                scheme.knows_motion,
+            )
+            for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True)
+        ]
+        most = made.most_records(config)
+        places = ("world",) if made.shared == "truth" else ("world", "sensors")
+        grouping = made.axes.find_entering(*places)
+        planned: list[Block] = []
+        for name, world in find_worlds(made, config).items():
+            content = _list_content(made, config, world)
+            blocks = plan_blocks(made.axes, config, schemes, content, most, grouping, part)
+            planned += (
+                blocks if config.over is None else [_name_world(block, name) for block in blocks]
+            )
+        return planned
 
     def run(
-        self, config: AnyConfig, of_group: Sequence[Block]
+        self, config: AnyConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one group; yield each with its rows."""
-        return run(self.declaration, config, of_group)
+        """Run blocks of one group; yield each with its rows.
+
+        Truth and measurements are made once for all successive blocks of some records, of all
+        tunings. What a scheme raises is the reason of its failed rows, and stops no other.
+        """
+        worlds = find_worlds(self.declaration, config)
+        for numbers, of_records in groupby(blocks, lambda block: block.content["replicates"]):
+            world = worlds[blocks[0].worlds[0] if blocks[0].worlds else NOMINAL]
+            records = Records(self.declaration, config, range(*numbers), world)
+            for _, of_tuning in groupby(of_records, lambda block: block.tunings[:1]):
+                yield from _run_one_tuning(self.declaration, list(of_tuning), records, config)
 
     def tell_worlds(self, config: AnyConfig) -> dict[str, str]:
         """Return world -> what departs there, in words."""

@@ -17,7 +17,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.results.superposition import superpose
-from owtsweep.studies.base import blocks
+from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
@@ -87,9 +87,9 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
     part = changed(config, engine="batch", grid=grid, schemes=entries, baselines=[])
-    declaration, rows = find_declaration(part), []
-    for _, group in groupby(blocks.plan(declaration, part), attrgetter("group")):
-        rows += [table for _, table in blocks.run(declaration, part, list(group))]
+    blocks, rows = DeclaredBlocks(find_declaration(part)), []
+    for _, group in groupby(blocks.plan(part), attrgetter("group")):
+        rows += [table for _, table in blocks.run(part, list(group))]
     cube = make_cube(part, pd.concat(rows, ignore_index=True))
     place = (cube.measures.index(part.measures.criterion), cube.windows.index(WINDOW))
     numbers = [cube.schemes.index(name) for name in schemes]
