@@ -76,7 +76,11 @@ class Axes(Generic[C]):
 
     def list_cells(self, config: C) -> list[Cell]:
         """Return all cells, the last axis running fastest; an axis without a value is missing."""
-        return _combine(self.get_values(config))
+        values = self.get_values(config)
+        return [
+            {axis: value for axis, value in zip(values, cell, strict=True) if value is not None}
+            for cell in product(*(of_axis or [None] for of_axis in values.values()))
+        ]
 
 
 def check_axes(chosen: Sequence[str], grid: Records, all_axes: Sequence[str], schemes: int) -> None:
@@ -106,13 +110,6 @@ def check_axes(chosen: Sequence[str], grid: Records, all_axes: Sequence[str], sc
         )
     cells = prod(len(getattr(grid, axis)) for axis in chosen)
     check_blocks(cells * schemes * ceil(grid.first / RECORDS))
-
-
-def _combine(values: Values) -> list[Cell]:
-    return [
-        {axis: value for axis, value in zip(values, cell, strict=True) if value is not None}
-        for cell in product(*(of_axis or [None] for of_axis in values.values()))
-    ]
 
 
 def check_blocks(blocks: int) -> None:

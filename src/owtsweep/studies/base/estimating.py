@@ -41,20 +41,14 @@ def estimate_record(
             failures[scheme.name] = explain(error).reason
             continue
         stated[scheme.name] = declaration.state(record, estimates)
-    shown = declaration.show(config, cell, record)
     return EstimatedRecord(
         study=config.study,
         tuning=config.tuning_name,
         conditions=conditions,
         replicate=replicate,
-        settled=shown.settled,
-        time=shown.time,
-        truth=shown.truth,
-        measurements=shown.measurements,
         estimates={name: given.estimates for name, given in stated.items()},
         covariances={name: given.covariances for name, given in stated.items()},
         latencies={name: given.wait for name, given in stated.items()},
-        units=shown.units,
         failures=failures,
-        at_rest=shown.at_rest,
+        **declaration.show(config, cell, record)._asdict(),
     )

@@ -14,7 +14,7 @@ from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten, tell_c
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.regret import tell_regret
 from owtsweep.results.status import FAILED
-from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, describe_draws
+from owtsweep.studies.base.contest import WINDOW, C, Contest, ContestConfig, describe_draws
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
 from owtsweep.studies.registry import list_schemes
@@ -82,7 +82,7 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
     from owtsweep.figures.terminal import frame, grid
 
     chosen = contest.criteria[config.criterion]
-    schemes, _ = _split_waiting(config, tables["summary"])
+    schemes = list_competing(config, tables["summary"])
     shown = grid(
         tables["best_scheme"], schemes, contest.find_conditions(config), config.criterion, WINDOW,
         quantity=chosen.title, unit=chosen.unit,
@@ -101,7 +101,8 @@ def list_origin_lines(contest: Contest[C], config: C) -> list[str]:
 def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> list[str]:
     """Return sentences: who is best by the key `criterion`, who wins by each other one."""
     best, ratios = tables["best_scheme"], tables["ratios"]
-    schemes, waiting = _split_waiting(config, tables["summary"])
+    schemes = list_competing(config, tables["summary"])
+    waiting = [name for name in list_names(config.schemes) if name not in schemes]
     conditions, chosen = contest.find_conditions(config), contest.criteria[config.criterion]
     lines: list[str] = []
     for name in [config.criterion, *contest.criteria]:
@@ -118,16 +119,6 @@ def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
     if waiting:
         lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
     return lines + tell_regret(tables) + contest.tell_more(config, tables)
-
-
-def _split_waiting(config: ContestConfig, summary: pd.DataFrame) -> tuple[list[str], list[str]]:
-    """Return the schemes in the contest, and those that are not because their estimates wait."""
-    waiting = set(summary.loc[summary["measure"] == WAIT, "scheme"])
-    names = list_names(config.schemes)
-    competing = [name for name in names if name not in waiting]
-    if not competing:
-        return names, []
-    return competing, [name for name in names if name in waiting]
 
 
 def tell_unable(unable: pd.DataFrame) -> list[str]:

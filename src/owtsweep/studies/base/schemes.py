@@ -207,14 +207,9 @@ class SchemeTable:
         if not entries:
             known = ",".join([*self.listed][:2])
             raise InputError(f"schemes: the list is empty; use e.g. schemes=[{known}]")
-        for entry in entries:  # before any code is imported
-            if entries.count(entry) > 1:
-                raise InputError(f"schemes: {entry!r} stands there twice; use each name once")
+        _refuse_repeated(entries)  # before any code is imported
         schemes = [self.resolve(entry) for entry in entries]
-        names = [scheme.name for scheme in schemes]
-        for name in names:
-            if names.count(name) > 1:
-                raise InputError(f"schemes: {name!r} stands there twice; use each name once")
+        _refuse_repeated([scheme.name for scheme in schemes])
         return schemes
 
     def list_entries(self, config: AnyConfig) -> list[Entry]:
@@ -318,16 +313,16 @@ def _plain(section: object) -> object:
     return as_mapping(section) if isinstance(section, Section) else section
 
 
+def _refuse_repeated(given: Sequence[Entry]) -> None:
+    for each in given:
+        if given.count(each) > 1:
+            raise InputError(f"schemes: {each!r} stands there twice; use each name once")
+
+
 def list_names(entries: Sequence[Entry]) -> list[str]:
     """Return the names of the schemes of the key `schemes`; a user's class is made for its name."""
-    return [
-        entry
-        if isinstance(entry, str)
-        else entry.name
-        if isinstance(entry, StoredScheme)
-        else make_scheme(entry).name
-        for entry in entries
-    ]
+    known = (e if isinstance(e, str | StoredScheme) else make_scheme(e) for e in entries)
+    return [each if isinstance(each, str) else each.name for each in known]
 
 
 def make_scheme(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Plain, checked
 from owtsweep.results.conditions import Condition, Value
-from owtsweep.studies.base.contest import AnyContest, ContestConfig
+from owtsweep.studies.base.contest import AnyContest, ContestConfig, describe_origin
 from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.sweep.study import Engine, Study, Tuned, Varied
 
@@ -50,7 +50,7 @@ class ContestStudy(Study):
         return self.scheme_table().describe_one(name)
 
     def list_simplicity(self) -> dict[str, int]:
-        """Return name -> simplicity of each scheme, as `registry.Ranked` says."""
+        """Return name -> simplicity of each scheme, as `Study.list_simplicity` says."""
         return self.scheme_table().list_simplicity()
 
     def contest(self) -> AnyContest:
@@ -69,8 +69,6 @@ class ContestStudy(Study):
 
     def describe_origin(self, config: ContestConfig) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.contest import describe_origin
-
         return describe_origin(self.contest(), config)
 
     def compare(
@@ -169,8 +167,7 @@ class DeclaredStudy(ContestStudy):
         """Return the time and the memory of search and judgement, as `Study` says."""
         from owtsweep.studies.base.tuning.tuned import predict
 
-        searched = self._find("tuning", "SEARCHED")
-        return predict(self.contest(), searched, config)
+        return predict(self.contest(), self._find("tuning", "SEARCHED"), config)
 
     def tune(self, config: ContestConfig, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers on training records, as `Study.tune` says."""

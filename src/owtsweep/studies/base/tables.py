@@ -92,10 +92,13 @@ def find_latencies(rows: pd.DataFrame) -> dict[str, float]:
 
 
 def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
-    """Return the schemes without a latency; all of them if every one has one."""
-    latencies = find_latencies(rows)
+    """Return the schemes without a latency; all of them if every one has one.
+
+    `rows` are a run's rows, or its table summary.csv: what has the columns measure and scheme.
+    """
+    waiting = {*rows.loc[rows["measure"] == WAIT, "scheme"]}
     names = list_names(config.schemes)
-    return [name for name in names if name not in latencies] or names
+    return [name for name in names if name not in waiting] or names
 
 
 def describe_run(contest: Contest[C], run: Candidate) -> Aspects:

@@ -62,17 +62,13 @@ def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
     (_draw_marks if of_texts else _draw_curves)(axes, errors, number)
     curves.scale_axes(axes, errors.along, errors.values)
     if errors.along.scale == "linear" and not of_texts:
-        axes.set_xticks([float(value) for value in errors.values[:: _every(errors)]])
+        every = -(-len(errors.values) // MOST_TICKS)
+        axes.set_xticks([float(value) for value in errors.values[::every]])
         axes.xaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_title(errors.cells[number], loc="left", fontsize=10)
-
-
-def _every(errors: Errors) -> int:
-    """Return 1 if each value gets a tick, 2 if every second value does, and so on."""
-    return -(-len(errors.values) // MOST_TICKS)
 
 
 def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -70,7 +70,7 @@ def check(contest: AnyContest, along: Condition, configs: Mapping[Value, Contest
             f"{along.label}: its values differ in grid, schemes or criterion, which `vary` needs "
             "to be the same; set those keys by overrides of their own",
         )
-    cells = len([*_list_cells(contest, along, one)])
+    cells = len(_list_cells(contest, along, one))
     axes = " ".join(f"grid.{axis}=[{values[0]}]" for axis, values in contest.get_grid(one).items())
     require(
         cells <= MOST_CELLS,
@@ -79,24 +79,24 @@ def check(contest: AnyContest, along: Condition, configs: Mapping[Value, Contest
 
 
 def _find_kept(contest: AnyContest, along: Condition, config: ContestConfig) -> object:
-    grid = {name: v for name, v in contest.get_grid(config).items() if not _is_of(along, name)}
+    grid = _find_grid(contest, along, config)
     return grid, config.grid.replicates, config.schemes, config.criterion
 
 
-def _is_of(along: Condition, axis: str) -> bool:
-    """Return whether the key that is varied is that of an axis."""
-    return along.label == f"grid.{axis}"
+def _find_grid(
+    contest: AnyContest, along: Condition, config: ContestConfig
+) -> dict[str, Sequence[Any]]:
+    """Return axis -> its values, for the axes of the map but the one that is varied."""
+    grid = contest.get_grid(config)
+    return {axis: values for axis, values in grid.items() if along.label != f"grid.{axis}"}
 
 
 def _list_cells(
     contest: AnyContest, along: Condition, config: ContestConfig
-) -> Iterator[dict[str, Value]]:
-    """Yield the cells of a map as axis -> value, without the axis that is varied."""
-    cells: list[dict[str, Value]] = [{}]
-    for axis, values in contest.get_grid(config).items():
-        if not _is_of(along, axis):
-            cells = [{**cell, axis: value} for cell in cells for value in sorted(values)]
-    yield from cells
+) -> list[dict[str, Value]]:
+    """Return the cells of a map as axis -> value, without the axis that is varied."""
+    grid = _find_grid(contest, along, config)
+    return [dict(zip(grid, cell, strict=True)) for cell in product(*map(sorted, grid.values()))]
 
 
 class _Values(NamedTuple):
@@ -128,7 +128,7 @@ def compute(
     names = [*schemes, *apart]
     cubes = [make_cube(contest, config, rows[v], names) for v, config in configs.items()]
     tables = [cube.to_table() for cube in cubes]
-    cells = [*_list_cells(contest, along, one)]
+    cells = _list_cells(contest, along, one)
     measured = {measure for table in tables for measure in table["measure"]}
     by_criterion = {
         name: _gather(tables, names, cells, name, criterion, one.grid.first)
