@@ -92,7 +92,7 @@ class Advice:
         answer, found = self.answer, self.answer.found
         row = found.cells.iloc[0]
         error = self.closer or answer.error
-        plain: dict[str, object] = {
+        return {
             "study": self.question.study.name,
             "cell": {condition.name: value for condition, value in self.question.cell.items()},
             "criterion": str(row["criterion"]),
@@ -121,7 +121,6 @@ class Advice:
             "worlds": [_list_turned(turned) for turned in self.worlds],
             "run": str(found.run.folder),
         }
-        return plain
 
 
 def _list_turned(turned: Turned) -> dict[str, object]:

@@ -67,10 +67,8 @@ class Found:
         """Return the error of a contender over its records, or the first of them."""
         mean, error, n = mean_and_error(self.values[name][None, :records])
         reach = t_quantile(n - 1) * error
-        three = self.criterion.express(
-            np.array([mean, np.maximum(mean - reach, 0.0), mean + reach])
-        )
-        value, low, high = (float(each) for each in three[:, 0])
+        ends = np.concatenate([mean, np.maximum(mean - reach, 0.0), mean + reach])
+        value, low, high = map(float, self.criterion.express(ends))
         return Error(value, low, high, int(n[0]))
 
 
