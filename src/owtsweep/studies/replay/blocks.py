@@ -65,7 +65,9 @@ def plan(config: ReplayConfig) -> list[Block]:
         whole = {"scheme": RECORD, "window": config.measures.window, "estimator": estimator}
         blocks.append(Block(label, f"{label}, the record", {**content, **whole}, 1))
         blocks += _plan_schemes(config, content, apart=apart)
-        noise = _find_noise(config, file)
+        noise = Noise()
+        with suppress(InputError):  # `verify` says so before anything runs
+            noise = estimate_noise(config, file)
         if noise.parameters:
             first = {**content, "scheme": NOISE, "noise": "estimate"}
             blocks.append(Block(label, f"{label}, its noise", first, 1))
@@ -76,13 +78,6 @@ def plan(config: ReplayConfig) -> list[Block]:
             blocks.append(Block(label, f"{label}, its baselines again", again, 1))
             blocks += _plan_schemes(other, content, apart=apart)
     return blocks
-
-
-def _find_noise(config: ReplayConfig, file: str) -> Noise:
-    with suppress(InputError):  # `verify` says so before anything runs
-        if config.replay.noise == "estimate":
-            return estimate_noise(config, file)
-    return Noise()
 
 
 def _plan_schemes(
@@ -114,9 +109,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         label, name = block.content["file"], block.content["scheme"]
         try:
             record = load_record(config, files[label])
-            noise = Noise()
-            if config.replay.noise == "estimate":  # refuses a force that contradicts positions
-                noise = estimate_noise(config, files[label])
+            noise = estimate_noise(config, files[label])  # refuses a force against positions
         except InputError as error:  # one bad file of many
             rows = [_make_failed_row(label, name, 0, str(error))]
         else:

@@ -45,10 +45,7 @@ _PLAIN = re.compile(r"[\w./-]*")
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
     """Compose and check the configuration of a replay, whose files may be named later."""
     config = compose(quote_texts(overrides), config_dir, primary="replay")
-    if not isinstance(config, ReplayConfig):
-        raise InputError(
-            f"study: {config.study!r} replays no record; leave out study={config.study}"
-        )
+    assert isinstance(config, ReplayConfig)  # `compose` refuses other studies
     return config
 
 
@@ -155,13 +152,6 @@ class Verified:
     notes: Sequence[str]
     refused: Mapping[str, str]
 
-    def lines(self) -> list[str]:
-        """Return all notes, and the reasons why files are left out, as lines for the user."""
-        return [
-            *(f"note: {note}" for note in self.notes),
-            *(f"left out: {reason}" for reason in self.refused.values()),
-        ]
-
 
 def verify(config: ReplayConfig) -> Verified:
     """Read every record once; tell which records cannot be used.
@@ -185,9 +175,7 @@ def verify(config: ReplayConfig) -> Verified:
                         f"{name}{scheme.name} had no time to choose a spectrum, which takes "
                         f"{scheme.least_duration:g} s"
                     ] = None
-            if config.replay.noise == "estimate" and (
-                said := estimate_noise(config, file).disagreement
-            ):
+            if said := estimate_noise(config, file).disagreement:
                 notes[f"{name}{said}"] = None
         except InputError as error:
             refused[file] = str(error)
@@ -220,8 +208,10 @@ def execute(
     from owtsweep.sweep.run import sweep
 
     verified = verify(config)
-    for line in verified.lines():
-        say(line)
+    for note in verified.notes:
+        say(f"note: {note}")
+    for reason in verified.refused.values():
+        say(f"left out: {reason}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     folders = locate_estimates(config, outcome.run.place)
     unwritten = []

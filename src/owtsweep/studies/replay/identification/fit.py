@@ -60,11 +60,13 @@ def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
     floor: IMU sigma (m/s^2) of the IMU's own spectrum; used if positions do not contradict it, for
         then the IMU's noise is white, and known to a few per cent.
     """
-    best, value = _find_most_likely(problem, stated)
-    if np.isfinite(floor) and _allows(problem, best, value, _bounds(stated[3]), np.log(floor)):
-        problem = replace(problem, floor=floor)
-        best, value = _climb(problem, best, _bounds(stated[3]))
     bounds = _bounds(stated[3])
+    best, value = _find_most_likely(problem, stated)
+    if np.isfinite(floor):
+        start = np.append(np.log(floor), best[1:])
+        if _climb(problem, start, bounds, fixed=0)[1] > value - ALLOWED:
+            problem = replace(problem, floor=floor)
+            best, value = _climb(problem, best, bounds)
     low, high = np.empty((2, len(PARAMETERS)))
     for i in range(len(PARAMETERS)):
         low[i] = _find_edge(problem, best, value, i, bounds, -1.0)
@@ -118,12 +120,6 @@ def encode(values: Array) -> Array:
 def decode(parameters: Array) -> Array:
     """Return the values of parameters of the search, shape (4,)."""
     return np.append(np.exp(parameters[:3]), UNIT * parameters[3])
-
-
-def _allows(problem: Problem, best: Array, value: float, bounds: Array, sigma: float) -> bool:
-    start = best.copy()
-    start[0] = sigma
-    return _climb(problem, start, bounds, fixed=0)[1] > value - ALLOWED
 
 
 def _bounds(delay: float) -> Array:

@@ -9,6 +9,8 @@ covariance with three bands beside its diagonal, so the exact likelihood takes m
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -94,17 +96,15 @@ def _noise_of_intervals(length: Array) -> tuple[Array, Array]:
     """Return the covariance of position, velocity and bias, (n, 3, 3), that each interval (s) adds.
 
     The first is that of white acceleration noise, the second that of a bias walk, of unit density.
+    The p-fold and the q-fold integral of one white noise, after its first one, have the covariance
+    length^(p + q + 1) / ((p + q + 1) p! q!).
     """
     white, walk = np.zeros((2, len(length), 3, 3))
-    white[:, 0, 0] = length**3 / 3.0
-    white[:, 0, 1] = white[:, 1, 0] = length**2 / 2.0
-    white[:, 1, 1] = length
-    walk[:, 0, 0] = length**5 / 20.0
-    walk[:, 0, 1] = walk[:, 1, 0] = length**4 / 8.0
-    walk[:, 0, 2] = walk[:, 2, 0] = length**3 / 6.0
-    walk[:, 1, 1] = length**3 / 3.0
-    walk[:, 1, 2] = walk[:, 2, 1] = length**2 / 2.0
-    walk[:, 2, 2] = length
+    for noise, driven in ((white, 1), (walk, 2)):  # the noise drives velocity, or bias
+        for row, column in itertools.product(range(driven + 1), repeat=2):
+            p, q = driven - row, driven - column
+            share = (p + q + 1) * math.factorial(p) * math.factorial(q)
+            noise[:, row, column] = length ** (p + q + 1) / share
     return white, walk
 
 

@@ -110,11 +110,14 @@ _LOCK = Lock()
 def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     """Estimate the noise of the sensors recorded in a file; the last results stay in memory.
 
-    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions.
+    Nothing is estimated for recorded motion, for fewer than 8 usable positions, nor with
+    `replay.noise` "stated".
     Raises InputError if the file cannot be read, or force and positions contradict each other,
         unless `replay.disagreement` is "accept".
     """
-    replay = changed(config.replay, disagreement="accept", noise="estimate")
+    if config.replay.noise == "stated":
+        return Noise()
+    replay = changed(config.replay, disagreement="accept")
     with _LOCK:  # so that threads do not estimate the same
         noise = _estimate(name_source(config, file, replay))
     if noise.disagreement and config.replay.disagreement == "refuse":
