@@ -216,7 +216,7 @@ def _compare(samples: Array, means: Array, one: int, other: int) -> tuple[float,
 def _measure_half(values: Array) -> float:
     # of the 95 % interval of their mean
     _, error, n = mean_and_error(values)
-    return float(t_quantile(n - 1) * error) if n > 1 else np.nan
+    return float(t_quantile(n - 1) * error)
 
 
 def relate_to_record(

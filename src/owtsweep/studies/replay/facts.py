@@ -162,25 +162,14 @@ def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measu
     facts = {"duration": record.steps * record.step, **summary.size}
     fitted = summary.fit
     if not isinstance(fitted, str):
-        facts |= {
-            "natural_period": fitted.natural_period,
-            "natural_period_error": fitted.errors["natural_period"],
-            "half_bandwidth": fitted.half_bandwidth,
-            "half_bandwidth_error": fitted.errors["half_bandwidth"],
-            "a": fitted.spectrum.a,
-            "b": fitted.spectrum.b,
-            "c": fitted.spectrum.c,
-            "band_share": fitted.band_share,
-            "fit_p": fitted.probability,
-            "fit_share": fitted.band_share * fitted.explained,
-        }
+        for name in ("natural_period", "half_bandwidth"):
+            facts |= {name: getattr(fitted, name), f"{name}_error": fitted.errors[name]}
+        facts |= {name: getattr(fitted.spectrum, name) for name in "abc"}
+        facts |= {"band_share": fitted.band_share, "fit_p": fitted.probability}
+        facts["fit_share"] = fitted.band_share * fitted.explained
     facts["slow_share"] = summary.modes.slow_share
     facts["slow_period"] = 1.0 / summary.modes.resolution
     for number, mode in enumerate(summary.modes.found[:MOST_MODES], start=1):
-        facts |= {
-            f"mode_{number}_period": mode.period,
-            f"mode_{number}_share": mode.share,
-            f"mode_{number}_p": mode.p,
-        }
+        facts |= {f"mode_{number}_{name}": getattr(mode, name) for name in ("period", "share", "p")}
     for name, value in facts.items():
         yield (name, "full", float(value), summary.samples)

@@ -98,12 +98,10 @@ def measure_sensors(config: ReplayConfig, files: Sequence[str]) -> dict[str, flo
                 found.append(measure_rates(config, recording))
     if not found or any(rates != found[0] for rates in found):
         return {}
-    rates = {f"sensors.{sensor}.rate": rate for sensor, rate in found[0].items()}
-    stated = config.sensors
     return {
-        key: rate
-        for key, rate in rates.items()
-        if rate != (stated.imu if "imu" in key else stated.gnss).rate
+        f"sensors.{sensor}.rate": rate
+        for sensor, rate in found[0].items()
+        if rate != getattr(config.sensors, sensor).rate
     }
 
 

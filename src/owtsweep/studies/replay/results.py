@@ -27,6 +27,7 @@ from owtsweep.studies.replay.measures import (
     WINDOWS,
     name_second_run,
 )
+from owtsweep.studies.replay.place import expect_at_record
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 
@@ -76,17 +77,17 @@ def _average_errors(
     for key, group in kept.groupby(keys, sort=False):
         samples = group.sort_values("replicate")["value"].to_numpy(dtype=float)
         mean, error, n = mean_and_error(samples)
-        half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
+        half = float(t_quantile(n - 1) * error)
         lines.append((*key, float(mean), float(mean) - half, float(mean) + half, int(n)))
     table = pd.DataFrame(lines, columns=[*keys, "mean", "ci_low", "ci_high", "n"])
-    rank = {
-        "file": list(files),
-        "scheme": list(schemes),
-        "measure": list(dict.fromkeys(table["measure"])),
-        "window": list(WINDOWS),
-    }
+    measures = dict.fromkeys(table["measure"])
+    return _sort(table, file=files, scheme=schemes, measure=[*measures], window=WINDOWS)
+
+
+def _sort(table: pd.DataFrame, **order: Sequence[str]) -> pd.DataFrame:
+    """Sort a table by some columns, the first one first, each in the order of its values given."""
     return table.sort_values(
-        keys, key=lambda column: column.map(rank[str(column.name)].index), kind="stable",
+        [*order], key=lambda column: column.map(order[str(column.name)].index), kind="stable",
         ignore_index=True,
     )  # fmt: skip
 
@@ -112,10 +113,7 @@ def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     )
     table["unit"] = table["parameter"].map(UNITS).fillna("")
     table["inside"] = ~((table["stated"] < table["low"]) | (table["stated"] > table["high"]))
-    rank = {"file": list(files), "parameter": [*UNITS, TAILS]}
-    table = table.sort_values(
-        list(rank), key=lambda column: column.map(rank[str(column.name)].index), ignore_index=True
-    )
+    table = _sort(table, file=files, parameter=[*UNITS, TAILS])
     return table[["file", "parameter", "unit", "source", *numbers, "inside"]]
 
 
@@ -156,8 +154,6 @@ def _advise_from_map(
     by_record: Mapping[str, object] | None,
 ) -> dict[str, object] | None:
     # SKFA and others without a chain have no place in the map
-    from owtsweep.studies.replay.place import expect_at_record
-
     expected = expect_at_record(config, record)
     if expected is None:
         return None

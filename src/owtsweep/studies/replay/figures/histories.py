@@ -113,20 +113,19 @@ def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
     marks: list[Band | Curve | Level] = []
-    note = ""
+    notes = []
     if advised is not None and advised in shown.deviations:
         time, deviation = shown.deviations[advised]
         if np.any(np.isfinite(deviation)):
             at, low = decimate(time, -QUANTILE * deviation, POINTS)
             high = np.interp(at, time, QUANTILE * deviation)
             marks.append(Band(at, low, high, style_of(advised, session.names).color))
-            note = f"shaded: ±1.96 standard deviations that {advised} states"
+            notes.append(f"shaded: ±1.96 standard deviations that {advised} states")
     for name, line in shown.errors.items():
         zorder = time_histories.ON_TOP if name == advised else 2.5
         look: Look = {"linewidth": 1.1, "zorder": zorder}
         marks.append(time_histories.show_scheme(name, session.names, line, look))
     reach = 1.2 * max(map(abs, shown.find_range(shown.errors.values())))
-    notes = [note] if note else []
     if any(leaves(line, -reach, reach) for line in shown.errors.values()):
         notes.append(f"not shown: errors beyond ±{reach:.2g} {UNITS[quantity]} at the start")
     label = f"error of x ({UNITS[quantity]})"

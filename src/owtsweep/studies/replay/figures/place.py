@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from owtsweep.errors import InputError
-from owtsweep.figures import style
+from owtsweep.figures import smooth_map, style
+from owtsweep.figures.smooth_map import Field
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.public import BASELINES
@@ -26,9 +26,6 @@ from owtsweep.studies.replay.place import (
     list_left_out,
 )
 
-if TYPE_CHECKING:
-    from owtsweep.figures.smooth_map import Field
-
 PERIODS, AMPLITUDES = 48, 160
 ACROSS = Condition("natural_period", "natural period", "s")
 UPWARDS = Condition("amplitude", "amplitude: largest displacement", "m", scale="log")
@@ -39,8 +36,6 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
 
     Raises InputError if the record has no place there, or no errors can be computed for a scheme.
     """
-    from owtsweep.figures import smooth_map
-
     shape, band = find_place(config, record), config.fit_band
     if shape is None:
         raise InputError(
@@ -55,6 +50,8 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     (label,) = label_files(config.grid.files)
     names, baselines, field = _make_field(config, record, (period, amplitude))
     ratio = amplitude / compute_rms_in_band(record)
+    left_out = ", ".join(list_left_out(config))
+    beside = f" Not in the map: {left_out}." if left_out else ""
     alike = group_coinciding(names, lambda i, j: bool(np.all(agree(*field.values[[i, j]]))))
     with style.context():
         figure = smooth_map.draw(
@@ -68,17 +65,12 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
             " one sea state. The map: motions of the spectrum translated (bandwidth"
             f" {config.spectrum.bandwidth:g} s⁻²) in"
             f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
-            f" rms displacement in the band, {ratio:.2f}.{_name_left_out(config)}",
+            f" rms displacement in the band, {ratio:.2f}.{beside}",
             coinciding=alike,
             baselines=baselines,
         )
         _mark(figure.axes[0], (period, amplitude), ends)
     return figure
-
-
-def _name_left_out(config: ReplayConfig) -> str:
-    names = list_left_out(config)
-    return f" Not in the map: {', '.join(names)}." if names else ""
 
 
 def _describe_coverage(record: Mapping[str, float]) -> str:
@@ -90,8 +82,6 @@ def _describe_coverage(record: Mapping[str, float]) -> str:
 def _make_field(
     config: ReplayConfig, record: Mapping[str, float], place: tuple[float, float]
 ) -> tuple[list[str], list[str], Field]:
-    from owtsweep.figures.smooth_map import Field
-
     (period, amplitude), band, grid = place, config.fit_band, config.grid
     low = max(min([*grid.natural_period, 0.9 * period]), 1.0 / band[1])
     high = min(max([*grid.natural_period, 1.1 * period]), 1.0 / band[0])

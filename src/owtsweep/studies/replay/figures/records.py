@@ -14,6 +14,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
+from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
 from owtsweep.figures.margin import Shades, add_legend
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, tell_window
@@ -33,9 +34,6 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     `replay.table`; the largest displacement (m) and the fitted period (s) stand for missing ones.
     Raises InputError if no record has values on both axes.
     """
-
-    from owtsweep.figures.best_scheme_map import HATCH
-
     table, (first, second) = _choose_coordinates(config, records)
     measured = advised[(advised["source"] != "map") & (advised["noise"] != "estimated")]
     shown = table.merge(measured, on="file").dropna(subset=[first, second])
@@ -142,9 +140,6 @@ def _mark(
     *,
     hatched: bool,
 ) -> None:
-
-    from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
-
     color = text_color_on(fill)
     corner = (place[0] - size[0] / 2.0, place[1] - size[1] / 2.0)
     axes.add_patch(Rectangle(corner, *size, facecolor=fill, edgecolor="white"))

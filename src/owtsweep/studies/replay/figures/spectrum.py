@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
@@ -49,7 +48,8 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
         lines = int(np.count_nonzero((frequency >= low) & (frequency <= high)))
         if lines > 20 * SMOOTHED:
             count = max(SMOOTHED, lines // SHARE // 2 * 2 + 1)
-            smooth = decimate(frequency[shown], _smooth(power, count)[shown])
+            mean = np.convolve(power, np.full(count, 1.0 / count), mode="same")
+            smooth = decimate(frequency[shown], mean[shown])
             axes.plot(*smooth, color="black", linewidth=1.2, label=f"mean of {count} lines")
         shape = read_fit(record)
         if shape is not None:
@@ -101,10 +101,6 @@ def _mark_modes(axes: Axes, modes: Modes) -> str:
         f"Dashed: peaks that are more than scatter (p < {LEVEL:g}), with their shares of the "
         "variance. "
     )
-
-
-def _smooth(power: Array, count: int) -> Array:
-    return np.convolve(power, np.full(count, 1.0 / count), mode="same")
 
 
 def _describe_fit(record: Mapping[str, float], has_fit: bool) -> str:

@@ -236,12 +236,8 @@ def _trace_acceleration(session: Session) -> Traces:
     known = session.filters.acceleration
     same = find_repeated(known)
     shown = {name: values for name, values in known.items() if name not in same}
-    force, begin = [], 0
-    for piece in rotate_force(session.signals, session.sensors):
-        force.append(_cut(piece, steps, begin))
-        begin += len(piece)
-        if begin >= steps.stop:
-            break
+    pieces = rotate_force(session.signals, session.sensors)
+    force = hub.OnePassSeries(pieces, (record.steps, 2))[steps]
     errors = {}
     if truth is not None:
         errors = {name: make_line(time, each[:, 0] - truth[:, 0]) for name, each in shown.items()}
@@ -250,7 +246,7 @@ def _trace_acceleration(session: Session) -> Traces:
         {name: make_pair(time, values) for name, values in shown.items()},
         errors,
         truth=None if truth is None else make_pair(time, truth),
-        imu=make_pair(time, np.concatenate(force) + np.array(session.sensors.gravity)),
+        imu=make_pair(time, force + np.array(session.sensors.gravity)),
     )
 
 
@@ -271,11 +267,6 @@ def _trace_bias(session: Session) -> Traces:
         errors,
         truth=None if truth is None else (to_line(truth[0]), to_line(truth[1])),
     )
-
-
-def _cut(piece: Array, steps: slice[int], begin: int) -> Array:
-    # of a piece that begins at a step, what lies in a slice of steps
-    return piece[max(steps.start - begin, 0) : max(steps.stop - begin, 0)]
 
 
 class FilterStates:
@@ -320,7 +311,7 @@ class FilterStates:
         x, y, error = (Envelope(estimated, points) for _ in range(3))
         shown, begin = [], 0
         for piece in _run_shifted(chain, session):
-            shown.append(_cut(piece[:, 2], window, begin))
+            shown.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0), 2])
             _add_both((x, y), piece[:, 3])
             if truths is not None:
                 error.add(piece[:, 3, 0] - next(truths)[:, 0])
