@@ -51,18 +51,13 @@ def gather_records(cube: Cube, name: str, criterion: Criterion, window: str) -> 
     cell serves all values of the last condition, and the three are motion, cross and noise. NaN
     stands where a scheme has no value.
     """
-    measure, at = cube.measures.index(name), cube.windows.index(window)
     if is_superposed(cube):
         assert cube.products is not None
+        measure, at = cube.measures.index(name), cube.windows.index(window)
         products = cube.products[..., measure, at, :]  # 3, schemes, outer conditions, records
         cells = np.moveaxis(products, (0, 1), (-2, -3))
     else:
-        values = np.array(
-            [
-                [cube.values(i, place, [measure])[:, 0, at] for i in range(len(cube.schemes))]
-                for place in cube.outer_places()
-            ]
-        )
+        values = np.array([cube.values_of(place, name, window) for place in cube.outer_places()])
         cells = np.moveaxis(criterion.judge(values), 1, 2)[..., np.newaxis, :]
     return cells.reshape(-1, *cells.shape[-3:])
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.errors import InputError
+from owtsweep.errors import require
 from owtsweep.results.conditions import sort_lines
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
@@ -86,21 +86,19 @@ def find_best_schemes(
     beside_names = np.array([*baselines, ""], dtype=object)
     tables: list[pd.DataFrame] = []
     for criterion in criteria if not cube.empty else ():
-        measure = _find_place(cube.measures, criterion, "criteria")
-        at = _find_place(cube.windows, window, "window")
+        _require_measured(cube.measures, criterion, "criteria")
+        _require_measured(cube.windows, window, "window")
         parts = []
         for place in cube.outer_places():
-            values, others = (
-                [cube.values(i, place, [measure])[:, 0, at] for i in some]
-                for some in (competing, beside)
-            )
-            result = contest(np.stack(values))
+            values = cube.values_of(place, criterion, window, competing)
+            result = contest(values)
             verdict = result._asdict() | {
                 "best": names[result.best],
                 "runner_up": names[result.runner_up],
             }
-            if others:
-                duel = challenge(np.stack(values), result.best, np.stack(others))
+            if beside:
+                others = cube.values_of(place, criterion, window, beside)
+                duel = challenge(values, result.best, others)
                 verdict |= duel._asdict() | {"baseline": beside_names[duel.baseline]}
             cells = cube.name_outer(place) | {last: cube.levels[-1], "criterion": criterion}
             part = pd.DataFrame(cells | {"window": window} | verdict)
@@ -153,7 +151,5 @@ def find_coinciding(
     return [tuple(sorted(group, key=contenders.index, reverse=True)) for group in groups]
 
 
-def _find_place(labels: Sequence[str], label: str, argument: str) -> int:
-    if label not in labels:
-        raise InputError(f"{argument}: {label!r} was not measured; use {' or '.join(labels)}")
-    return labels.index(label)
+def _require_measured(labels: Sequence[str], label: str, argument: str) -> None:
+    require(label in labels, f"{argument}: {label!r} was not measured; use {' or '.join(labels)}")

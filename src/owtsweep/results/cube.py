@@ -98,6 +98,22 @@ class Cube:
             raise ValueError("the cube is empty")
         return result
 
+    def values_of(
+        self,
+        place: tuple[int, ...],
+        measure: str,
+        window: str,
+        schemes: Sequence[int] | None = None,
+    ) -> Array:
+        """Return the values of schemes at one `place` by one measure, in one window.
+
+        Axes: scheme (all, or those with the indices `schemes`), value of the last condition,
+        replicate. Raise `ValueError` if the cube is empty, or has no such measure or window.
+        """
+        index, at = self.measures.index(measure), self.windows.index(window)
+        chosen = range(len(self.schemes)) if schemes is None else schemes
+        return np.stack([self.values(i, place, [index])[:, 0, at] for i in chosen])
+
     def find_shared(self, place: tuple[int, ...]) -> NDArray[np.bool_]:
         """Return which records all schemes of a cell have, shape (last condition, replicates).
 

@@ -39,14 +39,13 @@ def compare_with_best(
     last, names = cube.names[-1], np.array(cube.schemes, dtype=object)
     parts = []
     for (name, window), judged in best.groupby(["criterion", "window"], sort=False):
-        measure, at = cube.measures.index(str(name)), cube.windows.index(str(window))
         for place in cube.outer_places():
             outer = cube.name_outer(place)
             lines = judged[np.all([judged[key] == value for key, value in outer.items()], axis=0)]
             lines = lines[lines["best"].isin(cube.schemes)]
             level = pd.Index(cube.levels[-1]).get_indexer(lines[last].array)
-            values = [cube.values(i, place, [measure])[level, 0, at] for i in range(len(names))]
-            ratio, n = _divide(np.stack(values), cube, lines, criteria[str(name)])
+            values = cube.values_of(place, str(name), str(window)).take(level, axis=1)
+            ratio, n = _divide(values, cube, lines, criteria[str(name)])
             scheme, cell = np.nonzero(n)
             part = {
                 **outer,

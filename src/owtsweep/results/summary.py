@@ -15,22 +15,20 @@ from owtsweep.statistics.inference import mean_and_error, t_quantile
 __all__ = ["summarise"]
 
 
-def name_columns(conditions: Sequence[str]) -> list[str]:
-    return ["scheme", *conditions, "measure", "window", "mean", "ci_low", "ci_high", "n"]
-
-
 def summarise(cube: Cube, *, shared: bool = False) -> pd.DataFrame:
     """Compute the mean of each measure over the replicates, with its 95 % confidence interval.
 
     If `shared`, only the replicates count that all schemes of a cell have, so that means can stand
     side by side where some schemes have left a contest.
 
-    Return the columns of `name_columns`, sorted by scheme, conditions, measure, window. `ci_low`
-    and `ci_high` are the ends of the interval by Student's t, NaN for a single replicate. `n` is
-    the number of replicates that the scheme finished. If a scheme was unable to work under some
-    conditions, there are also the columns `status` and `reason`, and a line without measure for it.
+    Return the columns scheme, conditions, measure, window, mean, ci_low, ci_high and n, sorted by
+    the first four. `ci_low` and `ci_high` are the ends of the interval by Student's t, NaN for a
+    single replicate. `n` is the number of replicates that the scheme finished. If a scheme was
+    unable to work under some conditions, there are also the columns `status` and `reason`, and a
+    line without measure for it.
     """
-    columns = name_columns(cube.names)
+    labels = ["scheme", *cube.names, "measure", "window"]
+    columns = [*labels, "mean", "ci_low", "ci_high", "n"]
     parts = []
     counted = {place: cube.find_shared(place) for place in cube.outer_places() if shared}
     for i in range(len(cube.schemes)):

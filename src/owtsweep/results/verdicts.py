@@ -95,14 +95,12 @@ def list_cells(cube: Cube, run: NDArray[np.bool_], asked: Asked, name: str) -> I
     criterion = asked.criteria[name]
     if cube.empty or name not in cube.measures or asked.window not in cube.windows:
         return
-    measure, window = cube.measures.index(name), cube.windows.index(asked.window)
     records = [int(label) for label in cube.replicates]
     places = {name: place for place, name in enumerate(asked.contenders)}
     order = sorted(range(len(cube.schemes)), key=lambda i: places[cube.schemes[i]])
     for place in cube.outer_places():
         values = np.full((len(cube.schemes), len(cube.levels[-1]), run.shape[-1]), np.nan)
-        for i in order:
-            values[i][:, records] = cube.values(i, place, [measure])[:, 0, window]
+        values[..., records] = cube.values_of(place, name, asked.window)
         values = criterion.judge(values)
         for last, value in enumerate(cube.levels[-1]):
             here = [i for i in order if run[(i, *place, last)].any()]
@@ -330,11 +328,6 @@ def count_cells(grid: Mapping[str, Sequence[Value]]) -> int:
     return prod(len(values) for values in grid.values())
 
 
-def list_shared(best: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
-    """Return the columns that say to what a line belongs, in best_scheme.csv and in summary.csv."""
-    return [name for name in best.columns if name in summary.columns and name not in _OTHERS]
-
-
 def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd.DataFrame:
     """Return the table best_scheme of exact means, judged by the margin alone.
 
@@ -344,7 +337,7 @@ def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd
     best: the table best_scheme of `find_best_schemes`.
     summary: the table summary with the exact means.
     """
-    keys = list_shared(best, summary)
+    keys = [name for name in best.columns if name in summary.columns and name not in _OTHERS]
     lines = summary[summary["measure"].isin(list(asked.criteria))].copy()
     named = lines["measure"].map(asked.criteria)
     squares = (named.map(lambda criterion: criterion.values) == "square").to_numpy()
