@@ -17,7 +17,7 @@ import owtsweep
 from owtsweep.cli.program import FAILED, main
 from owtsweep.errors import InputError
 from owtsweep.sweep.manifest import read_earlier_seconds, was_running
-from owtsweep.sweep.multirun_record import JobOutcome, read_outcome
+from owtsweep.sweep.multirun import JobOutcome, read_outcome
 
 TINY = (
     "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",

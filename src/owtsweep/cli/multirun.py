@@ -32,13 +32,13 @@ from owtsweep.studies.registry import Located
 from owtsweep.sweep.asked import PAGE
 from owtsweep.sweep.keys import hash_text, run_folder
 from owtsweep.sweep.manifest import read_manifest
-from owtsweep.sweep.multirun_page import write_page
-from owtsweep.sweep.multirun_record import (
+from owtsweep.sweep.multirun import (
     OUTCOMES,
     JobOutcome,
     PlannedRun,
     read_outcome,
     write_outcome,
+    write_page,
     write_record,
 )
 from owtsweep.sweep.worker import end_with_parent

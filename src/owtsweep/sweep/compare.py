@@ -32,7 +32,7 @@ from owtsweep.io.tables import write_table
 from owtsweep.report.several_page import make_comparison_page
 from owtsweep.sweep.asked import PAGE
 from owtsweep.sweep.keys import hash_text
-from owtsweep.sweep.multirun_record import read_record
+from owtsweep.sweep.multirun import read_record
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
 
@@ -155,15 +155,11 @@ def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
     there are no keys. A note on each run that was never started is added to `notes`.
     """
     folders = sorted(config.parent for config in path.glob("*/config.yaml"))
-    planned = read_record(path)
-    if planned is None:
-        return folders, []
+    names, keys = read_record(path)
     there = {folder.name: folder for folder in folders}
-    notes += [
-        f"{name} is left out: it was never started" for name in planned.folders if name not in there
-    ]
-    ordered = [there.pop(name) for name in planned.folders if name in there]
-    return ordered + list(there.values()), planned.keys
+    notes += [f"{name} is left out: it was never started" for name in names if name not in there]
+    ordered = [there.pop(name) for name in names if name in there]
+    return [*ordered, *there.values()], keys
 
 
 def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.DataFrame]]:

@@ -1,0 +1,172 @@
+"""Writes and reads what a multirun keeps: its runs in order, the outcome of each, and its page.
+
+`multirun.json` has the runs and the keys that were swept. Outcomes are small files. The page says
+which scheme is best in how many cells of each run.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from owtsweep.errors import InputError, printable
+from owtsweep.io.files import write_atomically
+from owtsweep.io.reading import read_json
+from owtsweep.io.tables import read_table
+from owtsweep.report.several_page import make_multirun_page
+from owtsweep.results.answer import tell_counts
+from owtsweep.sweep.asked import PAGE
+
+RECORD = "multirun.json"
+VERSION = 1
+#: Most bytes of a record: enough for a hundred thousand runs.
+MOST_BYTES = 100_000_000
+#: The folder, inside the folder of a multirun, that holds the outcomes of its runs.
+OUTCOMES = ".outcomes"
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run of a multirun: the name of the run folder, all overrides, and swept key -> value."""
+
+    folder: str
+    overrides: list[str]
+    values: dict[str, str]
+
+
+def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
+    """Write `multirun.json` into the multirun's folder.
+
+    `overrides` are the overrides (key=value) as the user gave them. `runs` are the planned runs in
+    the order in which they are to run.
+    """
+    content = {
+        "multirun_version": VERSION,
+        "overrides": list(overrides),
+        "runs": [asdict(run) for run in runs],
+    }
+    write_atomically(folder / RECORD, json.dumps(content, indent=2) + "\n")
+
+
+def read_record(folder: Path) -> tuple[list[str], list[str]]:
+    """Return the names of the run folders in order and the swept keys, from `multirun.json`.
+
+    Without this file in the multirun's folder, both lists are empty.
+
+    Raises InputError if the file cannot be read, or its content is not the record of a multirun.
+    """
+    path = folder / RECORD
+    if not os.path.lexists(path):
+        return [], []
+    match read_json(path, MOST_BYTES):
+        case {"runs": list(runs)}:
+            pass
+        case _:
+            raise InputError(f"{path}: this is no record of a multirun (it lists no runs)")
+    folders: list[str] = []
+    keys: list[str] = []
+    for run in runs:
+        match run:
+            case {"folder": str(name), "values": dict(values)} if _is_name(name):
+                folders.append(name)
+                keys += values
+            case _:
+                raise InputError(
+                    f"{path}: this is no record of a multirun (run {len(folders)} has no name of a "
+                    "folder beside it)"
+                )
+    return folders, keys
+
+
+def _is_name(text: str) -> bool:
+    return Path(text).name == text and text not in ("", ".", "..")
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """The outcome of one run of a multirun, stored as a small file in the multirun folder.
+
+    Runs may be computed in other processes or on other machines (joblib, submitit), so the
+    outcomes are passed in files, not in memory.
+
+    folder: Name of the run folder inside the multirun folder.
+    overrides: the overrides of this run, without the override of the key `results`.
+    code: the exit code that this run would have had outside a multirun.
+    reason: one line that says why `code` is not 0; "" if `code` is 0.
+    """
+
+    folder: str
+    overrides: list[str]
+    code: int
+    reason: str
+
+
+def write_outcome(folder: Path, outcome: JobOutcome) -> None:
+    """Write an outcome to its file. `folder` is the multirun folder."""
+    file = folder / OUTCOMES / f"{outcome.folder}.json"
+    write_atomically(file, json.dumps(asdict(outcome)))
+
+
+def read_outcome(file: Path) -> JobOutcome:
+    """Return the outcome that a file holds.
+
+    If the file cannot be read or holds no outcome, return an outcome with exit code 1 and the
+    fault of the file as the reason.
+    """
+    try:
+        match read_json(file, MOST_BYTES):
+            case {
+                "folder": str(name),
+                "overrides": list(words),
+                "code": int(code),
+                "reason": str(reason),
+            } if name == file.stem and all(isinstance(word, str) for word in words):
+                return JobOutcome(name, words, code, printable(reason))
+        raise InputError(f"{file}: this is no outcome of a run")
+    except InputError as error:
+        return JobOutcome(file.stem, [], 1, str(error))
+
+
+def write_page(folder: Path, planned: Sequence[PlannedRun], outcomes: Sequence[JobOutcome]) -> None:
+    """Write report.html of a multirun, which links to the pages of its runs, into its folder.
+
+    Raises OSError if the file system refuses the file.
+    """
+    values = {run.folder: run.values for run in planned}
+    keys = list(dict.fromkeys(key for run in planned for key in run.values))
+    rows, links = [], []
+    for outcome in outcomes:
+        given = values.get(outcome.folder, {})
+        state = outcome.reason or "done"
+        rows.append(
+            [
+                outcome.folder,
+                *(given.get(key, "") for key in keys),
+                *_tell_verdicts(folder / outcome.folder),
+                state,
+            ]
+        )
+        there = (folder / outcome.folder / PAGE).is_file()
+        links.append(f"{outcome.folder}/{PAGE}" if there else "")
+    header = ["run", *keys, "judged by", "best", "error of the best", "outcome"]
+    title = f"{len(outcomes)} runs: {printable(folder.name)}"
+    write_atomically(folder / PAGE, make_multirun_page(title, header, rows, links))
+
+
+def _tell_verdicts(run: Path) -> list[str]:
+    """Return by what a run is judged, who is best in how many cells, and the range of the error."""
+    try:
+        best = read_table(run, "best_scheme")
+    except InputError:  # no case has succeeded, or the study makes no such table
+        return ["", "", ""]
+    if not len(best) or "error_best" not in best:
+        return ["", "", ""]
+    criterion = str(best["criterion"].iloc[0])
+    shown = best[best["criterion"] == criterion]
+    parts = shown.groupby("tuning", sort=False) if "tuning" in shown else [("", shown)]
+    told = [f"{tuning}: {tell_counts(cells)}".removeprefix(": ") for tuning, cells in parts]
+    low, high = shown["error_best"].min(), shown["error_best"].max()
+    return [criterion, " ".join(told), f"{low:.3g} to {high:.3g}"]
