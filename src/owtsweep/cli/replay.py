@@ -8,10 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
-from owtsweep.cli.running import foretell, may_start, print_answer, tell_end
+from owtsweep.cli.running import foretell, may_start, print_answer, tell_end, write_or_tell
 from owtsweep.config import dump_with_units, require
-from owtsweep.errors import InputError
-from owtsweep.io.files import refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -59,16 +57,13 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     for warning in list_fit_warnings(config) if len(config.grid.files) == 1 else ():
         print(f"note: spectrum: {warning}", file=sys.stderr)
     replayed, results = outcome.run, outcome.results
-    written = True
-    if results:
-        try:
-            with refuse_in_one_line(replayed.place):
-                figures = replayed.draw(results=results)
-                report.write(config, results[""].tables, figures, replayed.place)
-                replayed.write_report(results=results)
-        except InputError as error:  # what was computed is stored
-            print(f"failed: the report could not be written: {error}", file=sys.stderr)
-            written = False
+
+    def write() -> None:
+        figures = replayed.draw(results=results)
+        report.write(config, results[""].tables, figures, replayed.place)
+        replayed.write_report(results=results)
+
+    written = not results or write_or_tell("report could not be written", write, replayed.place)
     code = tell_end(outcome, argv, f"{replayed.place}/report.md")
     written &= not results or print_answer(replayed, results)
     return code if written else FAILED

@@ -244,14 +244,19 @@ def foretell(configs: Sequence[Config], *, fresh: bool = False) -> int:
     from owtsweep.sweep.prepare import forecast
 
     forecasts = [forecast(get_study(config.study), config, fresh=fresh) for config in configs]
-    print("Nothing was computed or written. This command without --dry-run would do:")
-    for each in forecasts:
-        print("\n".join(_describe(each)))
+    lines = [line for each in forecasts for line in _describe(each)]
     if len(forecasts) > 1:
-        cases, missing = (
-            sum(getattr(each, name) for each in forecasts) for name in ("cases", "missing")
-        )
-        print(f"{len(forecasts)} runs, one after the other: {cases} cases, {missing} to compute")
+        cases = sum(each.cases for each in forecasts)
+        missing = sum(each.missing for each in forecasts)
+        runs = f"{len(forecasts)} runs, one after the other"
+        lines.append(f"{runs}: {cases} cases, {missing} to compute")
+    return tell_dry_run(lines)
+
+
+def tell_dry_run(lines: Sequence[str]) -> int:
+    """Print what a command would do, and return 0."""
+    print("Nothing was computed or written. This command without --dry-run would do:")
+    print("\n".join(lines))
     return DONE
 
 
@@ -262,7 +267,7 @@ def _describe(each: Forecast) -> list[str]:
         f"folder  {printable(str(each.folder))}/",
         f"cases   {each.cases} {of}, {stored} stored already, {each.missing} to compute",
         f"time    {_describe_time(each)}",
-        f"memory  {_describe_memory(each)}",
+        _describe_memory(each.memory),
     ]
 
 
@@ -282,17 +287,16 @@ def _describe_time(each: Forecast) -> str:
 
 def describe_cost(predicted: tuple[float, float] | None) -> list[str]:
     """Return lines on the predicted time (s) and memory (bytes) of a command; None: unknown."""
-    if predicted is None:
-        return ["time    unknown: nobody has timed these schemes", "memory  unknown"]
-    seconds, memory = predicted
-    return [
-        f"time    some {_round(seconds)} s (rough, for cores without other work)",
-        f"memory  some {_round(memory / 1e9)} GB (rough)",
-    ]
+    seconds, memory = predicted or (None, None)
+    time = "unknown: nobody has timed these schemes"
+    if seconds is not None:
+        time = f"some {_round(seconds)} s (rough, for cores without other work)"
+    return [f"time    {time}", _describe_memory(memory)]
 
 
-def _describe_memory(each: Forecast) -> str:
-    return "unknown" if each.memory is None else f"some {_round(each.memory / 1e9)} GB (rough)"
+def _describe_memory(memory: float | None) -> str:
+    told = "unknown" if memory is None else f"some {_round(memory / 1e9)} GB (rough)"
+    return f"memory  {told}"
 
 
 def _round(value: float) -> str:

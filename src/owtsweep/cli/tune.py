@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
-from owtsweep.cli.running import describe_cost, require_serving, show_answer
-from owtsweep.config import Config, dump, require
+from owtsweep.cli.running import describe_cost, require_serving, show_answer, tell_dry_run
+from owtsweep.config import Config, dump, get_key, require
 from owtsweep.config.tuned import GROUP
 from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
 from owtsweep.io.reading import expand_home
@@ -33,8 +33,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.studies import compose
 
-    given = {word.lstrip("+").partition("=")[0] for word in options.overrides}
-    start = [] if GROUP in given else [f"{GROUP}={START}"]
+    start = [] if GROUP in map(get_key, options.overrides) else [f"{GROUP}={START}"]
     config = compose([*start, *options.overrides], options.config_dir)
     require(
         "" in config.by_tuning(),
@@ -46,11 +45,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     with blame(study):
         trials = study.count_trials(config)
         if options.dry_run:
-            print("Nothing was computed or written. This command without --dry-run would do:")
-            print(f"file    {path}")
-            print(f"trials  {trials}")
-            print("\n".join(describe_cost(study.predict_tune(config))))
-            return DONE
+            cost = describe_cost(study.predict_tune(config))
+            return tell_dry_run([f"file    {path}", f"trials  {trials}", *cost])
         with _progress(trials) as advance:
             tuned = study.tune(config, advance)
         name = re.sub(r"[^\w.+=-]", "_", path.stem)

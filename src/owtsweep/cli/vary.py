@@ -8,7 +8,13 @@ from typing import Literal
 
 from owtsweep.cli.combinations import Combination, combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
-from owtsweep.cli.running import describe_cost, name_folder, require_serving, show_answer
+from owtsweep.cli.running import (
+    describe_cost,
+    name_folder,
+    require_serving,
+    show_answer,
+    tell_dry_run,
+)
 from owtsweep.config import Config, as_mapping, compose_plain, dump, dump_with_units, get_key
 from owtsweep.config.records import Records
 from owtsweep.config.section import unit_of
@@ -54,12 +60,10 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     query = [key, *(f"{value} {question_hash(config)}" for value, config in configs.items())]
     folder = name_folder("vary", one, "\n".join(query))
     if options.dry_run:
-        print("Nothing was computed or written. This command without --dry-run would do:")
-        print(f"folder  {printable(str(folder))}/")
-        print(f"values  {len(configs)} of {key}")
         with blame(study):
-            print("\n".join(describe_cost(study.predict_vary(configs))))
-        return DONE
+            cost = describe_cost(study.predict_vary(configs))
+        values = f"values  {len(configs)} of {key}"
+        return tell_dry_run([f"folder  {printable(str(folder))}/", values, *cost])
     with blame(study):
         with show_steps():
             varied = study.vary(along, configs)
@@ -149,14 +153,10 @@ def _put_into_list(key: str, one: Combination) -> Combination:
     if value.startswith("["):
         return one
     words = [
-        f"{word.partition('=')[0]}=[{value}]" if _is_of(word, key) else word
+        f"{word.partition('=')[0]}=[{value}]" if get_key(word) == key else word
         for word in one.overrides
     ]
     return Combination(words, one.values)
-
-
-def _is_of(word: str, key: str) -> bool:
-    return word.lstrip("+").partition("=")[0] == key
 
 
 def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
