@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.config import Config, typed
-from owtsweep.config.stored import read_stored
+from owtsweep.config.stored import MOST_BYTES, read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.files import write_all, write_atomically
 from owtsweep.io.reading import read_text
@@ -31,8 +31,6 @@ PAGE, DETAILS = "report.html", "details.json"
 MADE = (
     "figures", "fidelity", "report.md", PAGE, DETAILS, "estimates.parquet", "estimates", "records",
 )  # fmt: skip
-#: Most bytes of a configuration.
-MOST_BYTES = 10_000_000
 _HASH = re.compile(r"[0-9a-f]{10}")
 
 

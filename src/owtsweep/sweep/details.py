@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -57,23 +58,14 @@ def make_details(study: Study, config: AnyConfig, contents: Contents) -> dict[st
     levels = [list(enumerate(values)) for values in cube.levels]
     if cube.products is not None and cube.direct is None:
         levels[-1] = [levels[-1][0], levels[-1][-1]] if len(levels[-1]) > 1 else levels[-1]
-    places: list[list[tuple[int, Value]]] = [[]]
-    for values in levels:
-        places = [[*place, value] for place in places for value in values]
-    jobs = [
-        (
-            [i for i, _ in place],
-            {n: value for n, (_, value) in zip(cube.names, place, strict=True)},
-        )
-        for place in places
-    ]
+    places = [dict(zip(cube.names, place, strict=True)) for place in product(*levels)]
     run = delayed(_run_cell)
-    found = Parallel(n_jobs=min(cpu_count(), len(jobs)), return_as="generator")(
-        run(study, config, at, cell, quantity, component) for at, cell in jobs
+    found = Parallel(n_jobs=min(cpu_count(), len(places)), return_as="generator")(
+        run(study, config, place, quantity, component) for place in places
     )
     cells = []
     for number, cell in enumerate(found, start=1):
-        tell_step(f"record {number} of {len(jobs)}")
+        tell_step(f"record {number} of {len(places)}")
         cells.append(cell)
     with blame(study):
         spectra = study.engine(config).spectra(config)
@@ -97,12 +89,12 @@ def _round(values: pd.Series[float]) -> list[float]:
 def _run_cell(
     study: Study,
     config: AnyConfig,
-    at: Sequence[int],
-    cell: Mapping[str, Value],
+    place: Mapping[str, tuple[int, Value]],
     quantity: str,
     component: int,
 ) -> dict[str, object]:
-    grid = changed(config.grid, **{name: [value] for name, value in cell.items()})
+    """Run record 0 of a cell; `place` has the index and the value of each condition."""
+    grid = changed(config.grid, **{name: [value] for name, (_, value) in place.items()})
     with blame(study):
         record = study.estimate(changed(config, grid=grid), 0)
     step = float(record.time[1] - record.time[0])
@@ -117,8 +109,8 @@ def _run_cell(
             error = np.asarray(estimates[quantity])[part, component] - truth
             if np.isfinite(error).all():
                 series.append(pack(name, error))
-    time = float(record.time[first])
-    return {"at": list(at), "start": time, "step": every * step, "series": series}
+    at, time = [index for index, _ in place.values()], float(record.time[first])
+    return {"at": at, "start": time, "step": every * step, "series": series}
 
 
 def pack(name: str, values: Array) -> list[object]:

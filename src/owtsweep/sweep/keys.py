@@ -94,18 +94,14 @@ def run_folder(config: Config) -> Path:
 
     Raises InputError if `experiment` cannot be part of a folder's name, or the name is too long.
     """
-    if config.name is not None:
-        return _folder(config, "name", config.name)
-    require(
-        re.fullmatch(r"[\w.+=,-]+", config.experiment) is not None,
-        f"experiment: {config.experiment!r} cannot be part of a folder's name; "
-        "use letters, digits, . _ - + = ,",
-    )
-    start = config.start_of_folder()
-    return _folder(config, "experiment", f"{start}-{run_hash(config)}")
-
-
-def _folder(config: Config, key: str, name: str) -> Path:
+    key, name = "name", config.name
+    if name is None:
+        require(
+            re.fullmatch(r"[\w.+=,-]+", config.experiment) is not None,
+            f"experiment: {config.experiment!r} cannot be part of a folder's name; "
+            "use letters, digits, . _ - + = ,",
+        )
+        key, name = "experiment", f"{config.start_of_folder()}-{run_hash(config)}"
     require(
         len(name.encode()) <= LONGEST_NAME,
         f"{key}: the run folder's name would have {len(name)} characters; use a shorter one, of at "

@@ -154,15 +154,12 @@ def make_excerpt(study: Study, config: Config, results: Mapping[str, Results], p
     """Return answer and map of each tuning as HTML for a notebook, with a link to the page."""
     with blame(study):
         engine = study.engine(config)
-        parts = [
-            (result, engine.contents(result.config, result.tables, result.rows))
-            for result in results.values()
-        ]
+        parts = [_show(engine, result, None) for result in results.values()]
         shown = [
-            f"<pre>{clean_lines(_print(engine.terminal(result.config, result.tables)))}</pre>"
-            if contents is None
-            else f"{tell_answer(contents)}\n{draw(contents)}"
-            for result, contents in parts
+            f"<pre>{clean_lines(part.text)}</pre>"
+            if part.contents is None
+            else f"{tell_answer(part.contents)}\n{draw(part.contents)}"
+            for part in parts
         ]
     page = place / PAGE
     link = f'<p><a href="{quote(str(page))}">{PAGE}</a></p>' if page.is_file() else ""
