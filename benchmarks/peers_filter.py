@@ -20,7 +20,7 @@ from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.models import FORCE, POSITION
-from owtsweep.studies.hub.records import Lanes, make_records
+from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes.mkf import SCHEME
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
@@ -51,7 +51,7 @@ def make_job(seconds_of_record: float) -> Job:
     config: Any = compose([STUDY[0], "tuning=matched", f"record.duration={seconds_of_record}"])
     records = make_records(config, 4.0, [0])
     chain = SCHEME.kernel(Known(records.sensors, config), records.steps)
-    force, fixes = Lanes(records).at(0.5)
+    force, fixes = records.measure(0.5)
     return Job(chain, records.sensors, force, fixes)
 
 

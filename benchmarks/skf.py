@@ -16,7 +16,7 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub import spectral_batch
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Lanes, make_records
+from owtsweep.studies.hub.records import make_records
 
 #: Greatest time of SKF's kernel, ns per state, IMU step and series; of an online step, us; and of
 #: SKFA over a record, ns per IMU step and series.
@@ -61,7 +61,7 @@ def main(seconds: float = 2000.0, repeats: int = 5) -> None:
     )
     told = [f"skf.natural_period={PERIOD}", f"skf.amplitude={AMPLITUDE}"]
     time_online("SKF", told, np.zeros((20_000, 2)), np.zeros((200, 2)))
-    force, fixes = (array[:, :2] for array in Lanes(records).at(AMPLITUDE))
+    force, fixes = (array[:, :2] for array in records.measure(AMPLITUDE))
     time_adaptive(force, fixes, repeats)
 
 

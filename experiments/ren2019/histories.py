@@ -26,7 +26,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.histories import choose_sea
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.records import Lanes, Records, make_records, make_records_at
+from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the case of section 5.2, s.
@@ -129,14 +129,13 @@ def absolute_errors(
         "position" (m), "velocity" (m/s) and "bias" (m/s^2) -> absolute errors, shape (steps, 2),
         columns x and y.
     """
-    lanes = Lanes(records)
-    force, fixes = lanes.at(amplitude)
+    (motion,), along = records.motion, amplitude * records.direction
+    force, fixes = records.measure(amplitude)
     position, velocity, _ = estimates.trajectories(chain, force, fixes)
     # The predictor keeps the bias constant, so the filter's newest estimate is the present one.
     estimated_bias = bias_of(estimates.states(chain, force, fixes), records.sensors)
-    along = amplitude * records.direction
     return {
-        "position": np.abs(position - lanes.position * along),
-        "velocity": np.abs(velocity - lanes.velocity * along),
+        "position": np.abs(position - motion.position[:, None] * along),
+        "velocity": np.abs(velocity - motion.velocity[:, None] * along),
         "bias": np.abs(estimated_bias - bias),
     }

@@ -23,7 +23,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import STUDY, Lanes, Records, make_records
+from owtsweep.studies.hub.records import STUDY, Records, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -63,8 +63,10 @@ def true_x4(config: HubConfig, records: Records) -> Array:
 
 def sampled_nees(chain: Chain, config: HubConfig, records: Records, amplitude: float) -> Array:
     """NEES of one axis' (p, v, b), all lanes, at every SPACING-th step but the first."""
-    lanes = Lanes(records)
-    force, fixes = lanes.at(amplitude)
+    force, fixes = records.measure(amplitude)
+    positions, velocities = (
+        np.array([getattr(m, name) for m in records.motion]) for name in ("position", "velocity")
+    )
     delay = chain.filter.input_delay  # the filter's state belongs to the delayed time
     direction = np.tile(records.direction, len(records.replicates))
     x4 = true_x4(config, records)
@@ -76,8 +78,8 @@ def sampled_nees(chain: Chain, config: HubConfig, records: Records, amplitude: f
         at = k - delay
         truth = np.array(
             [
-                amplitude * np.repeat(lanes.position[at], 2) * direction,
-                amplitude * np.repeat(lanes.velocity[at], 2) * direction,
+                amplitude * np.repeat(positions[:, at], 2) * direction,
+                amplitude * np.repeat(velocities[:, at], 2) * direction,
                 x4[at],
             ]
         )

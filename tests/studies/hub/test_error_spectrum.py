@@ -16,7 +16,7 @@ from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
-from owtsweep.studies.hub.records import Lanes, make_records
+from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import Sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -104,10 +104,10 @@ def test_the_integral_over_a_spectrum_is_what_records_show(name: str) -> None:
 def test_the_noise_floor_is_what_records_without_motion_show(tuning: str) -> None:
     changes = ("record.duration=2400", "measures.settling_time=600", *QUICK)
     config = configure(*changes, tuning=tuning)
-    lanes = Lanes(make_records(config, 4.0, range(8)))
+    records = make_records(config, 4.0, range(8))
     for name in SCHEMES:
         chain, sensors = chain_of(name, config)
-        (sums,) = batch.sum_errors([chain], lanes.records, 12000, consistency=False)
+        (sums,) = batch.sum_errors([chain], records, 12000, consistency=False)
         per_record = sums.products[1, :4, 2] / sums.steps[1]
         floor = noise_floor(chain, sensors)
         for measure, parts in (("position", per_record[:2]), ("velocity", per_record[2:])):

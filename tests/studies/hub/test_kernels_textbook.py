@@ -14,7 +14,7 @@ from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Lanes, Records, make_records
+from owtsweep.studies.hub.records import Records, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -113,7 +113,7 @@ def plain(chain: Chain, force: Array, fixes: Array) -> tuple[Array, Array, Array
 
 def squares(chain: Chain, records: Records, settled: int) -> Array:
     """Sums of squared errors of whole series, (2 windows, 6 quantities, replicates)."""
-    p, v, innovation = plain(chain, *Lanes(records).at(AMPLITUDE))
+    p, v, innovation = plain(chain, *records.measure(AMPLITUDE))
     replicates = len(records.replicates)
     truth = [
         AMPLITUDE * np.array([getattr(m, name) for m in records.motion])[:, None]
@@ -156,7 +156,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
     records = make_records(config, 4.0, range(2))
     assert records.steps > batch.CHUNK
     chain = resolve(name).kernel(Known(records.sensors, config), records.steps)
-    force, fixes = Lanes(records).at(AMPLITUDE)
+    force, fixes = records.measure(AMPLITUDE)
     found = estimates.trajectories(chain, force, fixes)
     expected = plain(chain, force, fixes)
     for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):
@@ -173,7 +173,7 @@ def test_chunks_that_are_shorter_than_the_smoothers_window(steps: int) -> None:
     records = make_records(config, 4.0, range(1))
     chain = resolve("HME1").kernel_for_runs(Known(records.sensors, config), records.steps)
     assert chain.filter.window == 40
-    force, fixes = Lanes(records).at(AMPLITUDE)
+    force, fixes = records.measure(AMPLITUDE)
     found = estimates.trajectories(chain, force[:steps], fixes)
     expected = plain(chain, force[:steps], fixes)
     for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):

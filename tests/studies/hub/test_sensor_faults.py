@@ -15,7 +15,7 @@ from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Feed, Lanes, make_records
+from owtsweep.studies.hub.records import Feed, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -83,9 +83,9 @@ def test_all_ways_to_a_record_hold_the_faults() -> None:
     seen = sensing.observe(motion, records.direction, sensors)
     np.testing.assert_allclose(seen.fixes, fixes[:, None] * records.direction, rtol=1e-12)
     np.testing.assert_allclose(Feed(records).fixes[:, 0], fixes, rtol=1e-12)
-    noise = Lanes(records).at(0.0)[1]
+    noise = records.measure(0.0)[1]
     np.testing.assert_allclose(
-        Lanes(records).at(2.0)[1] - noise, 2.0 * seen.fixes, rtol=1e-9, atol=1e-12
+        records.measure(2.0)[1] - noise, 2.0 * seen.fixes, rtol=1e-9, atol=1e-12
     )
     np.testing.assert_allclose(inputs.motion(np.array([0.1]), sensors).fix, [0.9])
 

@@ -9,8 +9,9 @@ from user_schemes import Saturated
 
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Lanes, make_records
+from owtsweep.studies.hub.records import Feed, make_records
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
@@ -44,21 +45,20 @@ def test_noise_in_pieces_is_the_whole_noise() -> None:
     records = make_records(configure("sensors.imu.bias_initial=0.1"), 4.0, [0, 1])
     source = records.force_noise(1)
     pieces = np.concatenate([source.next(n) for n in (1, 7, 250, records.steps - 258)])
-    assert not records.keeps_noise
     np.testing.assert_array_equal(pieces, records.noise[1].specific_force)
-    assert records.keeps_noise
 
 
 @pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("yaw", [0, 37])
-def test_kept_noise_is_drawn_noise(yaw: float) -> None:
-    config = configure(f"sensors.yaw={yaw}")
-    drawn, kept = make_records(config, 4.0, [0, 1]), make_records(config, 4.0, [0, 1])
-    chain = resolve("MKF").kernel(Known(drawn.sensors, config), drawn.steps)
-    one = batch.sum_errors([chain], drawn, 100)[0].products
-    other = batch.sum_errors([chain], Lanes(kept).records, 100)[0].products
-    assert not drawn.keeps_noise
-    np.testing.assert_array_equal(one, other)
+def test_kernels_are_fed_the_noise_of_the_record(
+    yaw: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("owtsweep.studies.hub.records.SPAN", 512)
+    records = make_records(configure(f"sensors.yaw={yaw}"), 4.0, [0, 1])
+    fed = np.concatenate([span.force.copy() for span in Feed(records).spans(0)])
+    for lane, noise in enumerate(records.noise):
+        force = noise.specific_force @ records.sensors.rotation.T
+        np.testing.assert_array_equal(fed[: records.steps, WIDTH + lane :: WIDTH], force)
 
 
 def test_amplitudes_are_free_but_for_what_is_not_linear() -> None:

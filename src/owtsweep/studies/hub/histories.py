@@ -16,7 +16,7 @@ from owtsweep.studies.hub.conditions import find_world, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.records import Lanes, Records, make_records, make_records_at
+from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.seas import make_plant
 from owtsweep.studies.hub.sensors import Sensors, simulate_bias
 
@@ -129,7 +129,7 @@ def simulate_histories(config: HubConfig) -> Histories:
         factor * np.outer(series, records.direction)
         for series in (motion.position, motion.velocity, motion.acceleration)
     ]
-    force, fixes = Lanes(records).at(factor)
+    force, fixes = records.measure(factor)
     T = sensors.step
     measured = force + np.array(sensors.gravity)
     integrated_velocity = signal[1][0] + _shift_by_one(np.cumsum(T * measured, axis=0))

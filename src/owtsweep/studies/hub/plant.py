@@ -16,7 +16,6 @@ from owtsweep.gravity import GRAVITY
 from owtsweep.motion.plant import HIGHEST, Plant, PlantMotion
 from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
-from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import STRUCTURE, HubConfig
 from owtsweep.studies.hub.seas import LAYERS, find_structure, list_plant, make_plant
 from owtsweep.studies.hub.sensors import Sensors
@@ -104,7 +103,8 @@ class PlantWorld(World):
     def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
         if config.sensors.imu.tilt != STRUCTURE or not isinstance(motion, PlantMotion):
             return super().lean(motion, sensors, config)
-        return sensing.lean_as(motion, motion.slope, find_structure(config).gravity)
+        gravity = find_structure(config).gravity
+        return replace(motion, felt=motion.acceleration - gravity * motion.slope)
 
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on sea states that are steeper than waves can be."""

@@ -95,10 +95,24 @@ class Records:
             for index in range(len(self.replicates))
         )
 
-    @property
-    def keeps_noise(self) -> bool:
-        """Whether the property `noise` has been used, so that the noise is kept in memory."""
-        return "noise" in vars(self)
+    def measure(self, amplitude: float) -> tuple[Array, Array]:
+        """Return the measurements (motion plus noise) at an amplitude (m), in NED.
+
+        They are the specific force, m/s^2, shape (steps, lanes), and the position fixes, m, shape
+        (fixes, lanes). Lanes are x and y of the first replicate, x and y of the second, and so on.
+        """
+        motions, noises, s = self.motion, self.noise, self.sensors
+        direction = np.tile(self.direction, len(motions))
+        motion = np.stack([m.specific_force for m in motions], axis=1)
+        count = len(noises[0].fixes)
+        fixes = np.stack([m.position_at(-s.delay, s.fix_interval, count) for m in motions], axis=1)
+        fixes = s.fix_scale * fixes
+        noise_force = np.concatenate([n.specific_force @ s.rotation.T for n in noises], axis=1)
+        noise_fixes = np.concatenate([n.fixes for n in noises], axis=1)
+        return (
+            amplitude * np.repeat(motion, 2, axis=1) * direction + noise_force,
+            amplitude * np.repeat(fixes, 2, axis=1) * direction + noise_fixes,
+        )
 
     def force_noise(self, index: int) -> sensing.ForceNoise:
         """Return a source that draws the noise of a replicate's specific force piece by piece."""
@@ -183,43 +197,6 @@ class Span(NamedTuple):
     motion: Array
 
 
-class Lanes:
-    """The records of some replicates, whose motion and noise stay in memory for repeated runs."""
-
-    def __init__(self, records: Records) -> None:
-        self.records = records
-        _ = records.noise  # makes the noise, which is then kept
-
-    @cached_property
-    def position(self) -> Array:
-        """The true displacement along the wave at unit amplitude, m, shape (steps, replicates)."""
-        return np.stack([motion.position for motion in self.records.motion], axis=1)
-
-    @cached_property
-    def velocity(self) -> Array:
-        """The true velocity along the wave at unit amplitude, m/s, shape (steps, replicates)."""
-        return np.stack([motion.velocity for motion in self.records.motion], axis=1)
-
-    def at(self, amplitude: float) -> tuple[Array, Array]:
-        """Return the measurements (motion plus noise) at an amplitude (m), in NED.
-
-        They are the specific force, m/s^2, shape (steps, lanes), and the position fixes, m, shape
-        (fixes, lanes). Lanes are x and y of the first replicate, x and y of the second, and so on.
-        """
-        motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
-        direction = np.tile(self.records.direction, len(motions))
-        motion = np.stack([m.specific_force for m in motions], axis=1)
-        count = len(noises[0].fixes)
-        fixes = np.stack([m.position_at(-s.delay, s.fix_interval, count) for m in motions], axis=1)
-        fixes = s.fix_scale * fixes
-        noise_force = np.concatenate([n.specific_force @ s.rotation.T for n in noises], axis=1)
-        noise_fixes = np.concatenate([n.fixes for n in noises], axis=1)
-        return (
-            amplitude * np.repeat(motion, 2, axis=1) * direction + noise_force,
-            amplitude * np.repeat(fixes, 2, axis=1) * direction + noise_fixes,
-        )
-
-
 class Feed:
     """The kernels' input for up to eight replicates.
 
@@ -272,7 +249,8 @@ class Feed:
         truth = aligned(lead + size, 2 * WIDTH)
         whole = apart if self.amplitude is None else aligned(lead + size, 2 * WIDTH)
         motion = [self.records.motion[index] for index in self.indices]
-        fill = self._noise(size)
+        draws = [self.records.force_noise(index).next for index in self.indices]
+        to_ned = self.records.sensors.rotation.T
         for k0 in range(0, steps, SPAN):
             stop = min(k0 + SPAN, steps)
             if k0 > 0:
@@ -282,57 +260,9 @@ class Feed:
                                        (apart, 0, "specific_force")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
                 feeding.gather(k0, stop - k0, lead, sources, rows, column)
-            fill(stop - k0, lead, apart)
+            for lane, draw in enumerate(draws):
+                apart[lead : lead + stop - k0, WIDTH + lane :: WIDTH] = draw(stop - k0) @ to_ned
             if self.amplitude is not None:
                 direction = self.records.direction
                 feeding.whole_series(stop - k0, lead, self.amplitude, direction, apart, whole)
             yield Span(stop, k0 - lead, whole, truth)
-
-    def _noise(self, size: int) -> Callable[[int, int, Array], None]:
-        """Return a function that writes the next steps of the noise of the specific force, in NED.
-
-        It takes the number of steps (at most `size`), the first row to write, and the array to
-        write to, shape (rows, 24), whose second eight columns are of x, and the third of y.
-        """
-        from owtsweep.studies.hub.kernels import feeding
-
-        records, R = self.records, self.records.sensors.rotation
-        if records.keeps_noise or not np.array_equal(R, np.eye(2)):
-            draws = [self._force_noise(index) for index in self.indices]
-
-            def turned(steps: int, lead: int, force: Array) -> None:
-                for lane, draw in enumerate(draws):
-                    force[lead : lead + steps, WIDTH + lane :: WIDTH] = draw(steps) @ R.T
-
-            return turned
-        sources = [records.force_noise(index) for index in self.indices]
-        bias_x, white_x = sources[0].bias[0], sources[0].white[0]
-        imu = (bias_x.deviation, bias_x.initial, white_x.sigma, sources[0].gravity)
-        normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
-        begun = False
-
-        def straight(steps: int, lead: int, force: Array) -> None:
-            nonlocal begun
-            for source, drawn in zip(sources, normals, strict=True):
-                source.draw(drawn[:, :steps])
-            feeding.noise(steps, lead, normals, begun, bias, imu, force)
-            begun = True
-
-        return straight
-
-    def _force_noise(self, index: int) -> Callable[[int], Array]:
-        """Return a function of a number of steps that returns the noise of these next steps.
-
-        The noise is that of one replicate's specific force in the IMU's frame, m/s^2, shape
-        (steps, 2); from memory if the records keep it, otherwise drawn.
-        """
-        if not self.records.keeps_noise:
-            return self.records.force_noise(index).next
-        kept, position = self.records.noise[index].specific_force, 0
-
-        def following(steps: int) -> Array:
-            nonlocal position
-            position += steps
-            return kept[position - steps : position]
-
-        return following

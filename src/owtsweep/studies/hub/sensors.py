@@ -119,14 +119,6 @@ def lean(motion: Motion, sensors: Sensors) -> Motion:
     return replace(motion, felt=motion.acceleration - sensors.lean * motion.position)
 
 
-def lean_as(motion: Motion, slope: Array, gravity: float) -> Motion:
-    """Return a motion with what an IMU that leans by `slope`, rad, shape (steps,), feels of it.
-
-    `gravity` is the acceleration of gravity at the structure, m/s^2.
-    """
-    return replace(motion, felt=motion.acceleration - gravity * slope)
-
-
 def couple(motion: Motion, sensors: Sensors) -> Motion:
     """Return a motion with what an AC-coupled IMU feels of it; unchanged without a coupling."""
     if sensors.high_pass is None:
@@ -200,15 +192,6 @@ class ForceNoise:
         ]
         self.white = [WhiteNoise(stream(f"imu_{axis}"), sensors.force_sigma) for axis in "xy"]
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
-
-    def draw(self, normals: Array) -> None:
-        """Draw the next unit normals into an array (4, steps): bias_x, imu_x, bias_y and imu_y.
-
-        Kernels scale the numbers. For one record, use either this method or `next`, not both.
-        """
-        for axis in range(2):
-            self.bias[axis].generator.standard_normal(out=normals[2 * axis])
-            self.white[axis].generator.standard_normal(out=normals[2 * axis + 1])
 
     def next(self, steps: int) -> Array:
         """Draw the noise of the next steps, in the IMU's frame, in m/s^2, shape (steps, 2)."""

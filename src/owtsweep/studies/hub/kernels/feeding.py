@@ -23,36 +23,6 @@ def gather(first, count, lead, sources, rows, column):
 
 
 @njit
-def noise(count, lead, normals, begun, bias, imu, force):
-    """Turn standard normal numbers into the noise of `count` samples of specific force, m/s^2.
-
-    The noise is white noise plus the IMU's bias (a random walk) minus gravity.
-
-    lead: the row of `force` to which the first sample goes.
-    normals: shape (lanes, 4, steps). The second axis is: bias in x, white noise in x, bias in y,
-        white noise in y.
-    begun, bias: the bias at the sample before the first, shape (lanes, 2), updated to the last.
-        Unless `begun` is true, there is no such sample, and the bias starts at its initial value.
-    imu: (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial
-        bias, standard deviation of the white noise, and gravity (2,) in NED, all in m/s^2.
-    force: shape (rows, 3 WIDTH). The noise of x is written behind the first WIDTH columns, the
-        noise of y behind that of x.
-    """
-    walk, initial, sigma, gravity = imu
-    for axis in range(2):
-        for lane in range(normals.shape[0]):
-            drawn, white = normals[lane, 2 * axis], normals[lane, 2 * axis + 1]
-            column, value = WIDTH * (1 + axis) + lane, bias[lane, axis]
-            for i in range(count):
-                if i > 0 or begun:
-                    value = value + drawn[i] * walk
-                else:
-                    value = initial
-                force[lead + i, column] = (white[i] * sigma + value) - gravity[axis]
-            bias[lane, axis] = value
-
-
-@njit
 def whole_series(count, lead, amplitude, direction, force, result):
     """Compute the specific force in x and y at an amplitude (m): scaled motion plus noise, m/s^2.
 
