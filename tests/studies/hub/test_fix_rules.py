@@ -20,7 +20,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.listed import resolve, under
-from owtsweep.studies.hub.schemes.hme2 import make_horizon
+from owtsweep.studies.hub.schemes.hme2 import SCHEME as HME2
 from owtsweep.studies.hub.sensors import Measured, Sensors, sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -127,7 +127,7 @@ def test_a_gate_opens_again(name: str) -> None:
 def test_the_window_minimises_hubers_cost() -> None:
     config = ruled("huber", "hme.mhe.arrival=none", "hme.mhe.horizon=6")
     known = sensors(config.sensors)
-    mhe = make_horizon(config, known)
+    mhe = HME2.make_horizon(config, known)
     rng = np.random.default_rng(3)
     fixes = 0.1 * rng.standard_normal((7, 2))
     fixes[[2, 5]] += [[3.0, -2.0], [-1.0, 4.0]]

@@ -6,9 +6,6 @@ import math
 from dataclasses import dataclass
 from statistics import NormalDist
 
-import numpy as np
-
-from owtsweep.arrays import Array
 from owtsweep.studies.hub.scheme_sections import FixTuning
 
 #: Values of the key `fix_rule`; the kernels use the index.
@@ -41,10 +38,6 @@ class FixRule:
         if self.name == "gate":
             return 0.0 if beyond <= self.patience else 1.0
         return self.limit / distance
-
-    def weigh_all(self, distances: Array) -> Array:
-        """Return the weights of several fixes; the shape is that of their distances."""
-        return np.array([self.weigh(float(distance)) for distance in distances])
 
 
 #: All fixes count alike.

@@ -88,9 +88,10 @@ def solve(
     # Huber's cost by weighted least squares, each solved with the weights of the one before: the
     # cost never rises, with constraints neither (Huber 1981, section 7.8)
     weight: Array = np.ones(len(fixes))
+    limit = mhe.fix_rule.limit
     for _ in range(MOST_WEIGHINGS):
         distances = plain * np.linalg.norm(fixes - nodes[:2, : len(fixes)].T, axis=1)
-        before, weight = weight, mhe.fix_rule.weigh_all(distances)
+        before, weight = weight, limit / np.maximum(distances, limit)
         if np.max(np.abs(weight - before)) < LEAST_CHANGE:
             break
         nodes = solve_weighted(fix=np.sqrt(weight) * plain)

@@ -9,7 +9,6 @@ or DELTA has, the IMU is of no use.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,59 +18,11 @@ from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import NO_HORIZON, Chain
-from owtsweep.studies.hub.contract import Estimator, Known
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.kernels.layout import FilterArrays, PredictorArrays
 from owtsweep.studies.hub.models import AxisFilter
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.sensors import Sensors
-
-
-class ZeroEstimator:
-    """An estimator that ignores all measurements and always answers zero."""
-
-    def __init__(self, sensors: Sensors) -> None:
-        pass
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        return Estimate(np.zeros(2), np.zeros(2))
-
-
-class HoldingEstimator:
-    """An estimator that answers with the last position fix; with zero before the first one."""
-
-    def __init__(self, sensors: Sensors) -> None:
-        self.fix: Array = np.zeros(2)
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        if position is not None:
-            self.fix = np.array(position, dtype=float)
-        return Estimate(self.fix, np.zeros(2))
-
-
-class ExtrapolatingEstimator:
-    """An estimator that extrapolates the last two position fixes by a straight line.
-
-    It is extended by the delay of a fix and the time since the fix arrived. The velocity is zero
-    before the second fix, and the position is zero before the first one.
-    """
-
-    def __init__(self, sensors: Sensors) -> None:
-        self.step, self.delay = sensors.step, sensors.delay
-        self.fix: Array | None = None
-        self.velocity: Array = np.zeros(2)
-        self.age = 0  # number of steps since the last fix arrived
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        self.age += 1
-        if position is not None:
-            if self.fix is not None:
-                self.velocity = (position - self.fix) / (self.age * self.step)
-            self.fix = np.array(position, dtype=float)
-            self.age = 0
-        if self.fix is None:
-            return Estimate(np.zeros(2), np.zeros(2))
-        ahead = (self.delay + self.age) * self.step
-        return Estimate(self.fix + ahead * self.velocity, self.velocity)
 
 
 class Line(NamedTuple):
@@ -94,6 +45,30 @@ class Line(NamedTuple):
         if self.moves:
             slope[..., 1:] = np.diff(fixes) / sensors.fix_step
         return float(self.holds) * fixes + sensors.delay * sensors.step * slope, slope
+
+
+class LineEstimator:
+    """An estimator that follows a `Line` from the last position fix to the present, step by step.
+
+    Before the first fix everything is zero; before the second the slope is.
+    """
+
+    def __init__(self, sensors: Sensors, line: Line) -> None:
+        self.step, self.delay, self.line = sensors.step, sensors.delay, line
+        self.fix: Array = np.zeros(2)
+        self.velocity: Array = np.zeros(2)
+        self.age: int | None = None  # number of steps since the last fix arrived
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        if self.age is not None:
+            self.age += 1
+        if position is not None and self.line.holds:
+            if self.age is not None and self.line.moves:
+                self.velocity = (position - self.fix) / (self.age * self.step)
+            self.fix = np.array(position, dtype=float)
+            self.age = 0
+        ahead = (self.delay + (self.age or 0)) * self.step
+        return Estimate(self.fix + ahead * self.velocity, self.velocity)
 
 
 def fix_chain(sensors: Sensors, line: Line) -> Chain:
@@ -148,20 +123,20 @@ def fix_chain(sensors: Sensors, line: Line) -> Chain:
 
 
 class Baseline(ChainScheme):
-    """A baseline, which no key tunes: its line between two fixes, and the line step by step."""
+    """A baseline, which no key tunes: its line between two fixes."""
 
     sections = ()
 
-    def __init__(self, name: str, line: Line, estimator: Callable[[Sensors], Estimator]) -> None:
-        self.name, self._line, self._estimator = name, line, estimator
+    def __init__(self, name: str, line: Line) -> None:
+        self.name, self._line = name, line
 
-    def start(self, known: Known) -> Estimator:
-        return self._estimator(known.sensors)
+    def start(self, known: Known) -> LineEstimator:
+        return LineEstimator(known.sensors, self._line)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
         return fix_chain(known.sensors, self._line)
 
 
-NONE = Baseline("NONE", Line(holds=False, moves=False), ZeroEstimator)
-HOLD = Baseline("HOLD", Line(holds=True, moves=False), HoldingEstimator)
-DELTA = Baseline("DELTA", Line(holds=True, moves=True), ExtrapolatingEstimator)
+NONE = Baseline("NONE", Line(holds=False, moves=False))
+HOLD = Baseline("HOLD", Line(holds=True, moves=False))
+DELTA = Baseline("DELTA", Line(holds=True, moves=True))

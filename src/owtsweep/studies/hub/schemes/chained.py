@@ -9,7 +9,9 @@ from threading import Lock
 from typing import Literal
 
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain
-from owtsweep.studies.hub.contract import Known, Scheme
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Known, Scheme, Stepwise
+from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 #: Greatest number of chains in the cache: four schemes under each of two tunings, and three
 #: baselines. A chain whose gains settle slowly takes up to 100 MB.
@@ -55,3 +57,18 @@ class ChainScheme(Scheme):
                     while len(_CHAINS) > _KEPT_CHAINS:
                         _MAKING.pop(_CHAINS.popitem(last=False)[0], None)
             return chain
+
+
+class FilterScheme(ChainScheme):
+    """A chain that begins with a Kalman filter, which the first of its `sections` tunes."""
+
+    on_board = True
+
+    def choose_filter(self, config: HubConfig) -> FilterTuning:
+        chosen: FilterTuning = getattr(config, self.sections[0])
+        return chosen
+
+    def under(self, config: HubConfig) -> Scheme:
+        """Return `Stepwise` if fixes lose weight, else `self`."""
+        plain = self.choose_filter(config).fix_rule == "plain"
+        return self if plain else Stepwise(self, "its fix_rule leaves")

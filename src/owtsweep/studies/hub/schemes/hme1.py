@@ -7,6 +7,7 @@ Register 1 delays the samples of the IMU by the delay of the GNSS. Source: Algor
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +19,13 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain
 from owtsweep.studies.hub.checks import check_window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
-from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
+from owtsweep.studies.hub.contract import ZERO, Estimator, Known
+from owtsweep.studies.hub.fix_rules import PLAIN, FixRule, make_fix_rule
+from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter, axis_filter, input_model
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.scheme_sections import FilterTuning
-from owtsweep.studies.hub.schemes.chained import ChainScheme
+from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -39,7 +41,7 @@ class DelayedChain:
     window: the smoother's lag in IMU steps.
     gains: the scheme as a chain, with precomputed covariances.
     hold: the value of the key `hme.predictor.hold`.
-    fix_rule: how much the positions count that the filter gets; None: all alike.
+    fix_rule: how much the positions count that the filter gets.
     """
 
     def __init__(
@@ -49,12 +51,12 @@ class DelayedChain:
         sensors: Sensors,
         gains: Chain,
         hold: str,
-        fix_rule: FixRule | None = None,
+        fix_rule: FixRule = PLAIN,
     ) -> None:
         axis = axis_filter(tuning, sensors)
         self.axis = axis
         self.sensors = sensors
-        self.on_schedule = fix_rule is None or fix_rule.name == "plain"
+        self.on_schedule = fix_rule.name == "plain"
         self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule, fix_rule)
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
         self.input_model = input_model(tuning, sensors, hold)
@@ -128,43 +130,50 @@ class HME1Estimator:
         return self.chain.step(delayed, position)[0]
 
 
-class HME1(ChainScheme):
+class HME1(FilterScheme):
     """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019)."""
 
     name = "HME1"
-    on_board = True
-    sections = ("hme1", "hme.smoother_window", "hme.predictor")
+    sections: Sequence[str] = ("hme1", "hme.smoother_window", "hme.predictor")
 
-    def start(self, known: Known) -> HME1Estimator:
+    def start(self, known: Known) -> Estimator:
         return HME1Estimator(known, self.kernel(known))
 
+    def choose_window(self, tuning: HubConfig) -> int:
+        """Return the smoother's window, in IMU steps."""
+        return tuning.hme.smoother_window
+
+    def make_horizon(self, tuning: HubConfig, sensors: Sensors) -> Horizon | None:
+        """Return the MHE between fixes and filter, if there is one."""
+        return None
+
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        tuning = known.tuning
+        sensors, tuning = known.sensors, known.tuning
         return online_chain(
-            tuning.hme1,
-            known.sensors,
-            window=tuning.hme.smoother_window,
-            delay=known.sensors.delay,
+            self.choose_filter(tuning),
+            sensors,
+            window=self.choose_window(tuning),
+            delay=sensors.delay,
+            mhe=self.make_horizon(tuning, sensors),
+            solver=tuning.hme.mhe.solver,
             hold=tuning.hme.predictor.hold,
             origin=origin,
         )
-
-    def under(self, config: HubConfig) -> Scheme:
-        """Return `Stepwise` if fixes lose weight, else `self`."""
-        return self if config.hme1.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
     def check(self, config: HubConfig) -> None:
         check_window(config, "hme.smoother_window", config.hme.smoother_window)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
         sensors, tuning = known.sensors, known.tuning
+        of_filter = self.choose_filter(tuning)
         return chain(
-            axis_filter(tuning.hme1, sensors),
+            axis_filter(of_filter, sensors),
             sensors,
-            rule=tuning.hme1.update_rule,
+            rule=of_filter.update_rule,
             input_delay=sensors.delay,
-            window=tuning.hme.smoother_window,
-            predict=input_model(tuning.hme1, sensors, tuning.hme.predictor.hold),
+            window=self.choose_window(tuning),
+            predict=input_model(of_filter, sensors, tuning.hme.predictor.hold),
+            horizon=self.make_horizon(tuning, sensors),
             steps=steps,
         )
 

@@ -9,22 +9,20 @@ from collections import deque
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise, predict
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
-from owtsweep.studies.hub.chain import Chain, chain
-from owtsweep.studies.hub.checks import check_mhe, check_window
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.checks import check_mhe
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
+from owtsweep.studies.hub.contract import Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
-from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
-from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator, online_chain
-from owtsweep.studies.hub.schemes.chained import ChainScheme
-from owtsweep.studies.hub.schemes.hme1 import DelayedChain
+from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2
+from owtsweep.studies.hub.online.estimator import OFF_GRID
+from owtsweep.studies.hub.schemes.hme1 import HME1, DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -124,14 +122,11 @@ class MovingHorizonEstimator:
 class HME2Estimator:
     """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
 
-    def __init__(self, known: Known, gains: Chain) -> None:
+    def __init__(self, known: Known, gains: Chain, window: int, mhe: Horizon) -> None:
         sensors, tuning = known.sensors, known.tuning
-        mhe = make_horizon(tuning, sensors)
         self.sensors = sensors
-        window, hold = choose_window(tuning), tuning.hme.predictor.hold
-        self.chain = DelayedChain(tuning.hme2, window, sensors, gains, hold)
+        self.chain = DelayedChain(tuning.hme2, window, sensors, gains, tuning.hme.predictor.hold)
         self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
-        self.settings = mhe
         self.step = 0
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
@@ -152,7 +147,7 @@ class HME2Estimator:
         fix = None
         if not self.mhe.determined():
             fix = position  # too few fixes for a window: the filter gets the fix itself
-        elif self.step % self.settings.interval == 0:
+        elif self.step % self.mhe.mhe.interval == 0:
             fix = self.mhe.position(since_fix)
         estimate, filtered = self.chain.step(delayed, fix)
         if since_fix == 0:
@@ -162,62 +157,35 @@ class HME2Estimator:
         return estimate
 
 
-def choose_window(tuning: HubConfig) -> int:
-    """Return HME2's smoother window, in IMU steps: its own, or else that of HME1."""
-    window = tuning.hme.mhe.smoother_window
-    return int(tuning.hme.smoother_window if window is None else window)
-
-
-def make_horizon(tuning: HubConfig, sensors: Sensors) -> Horizon:
-    mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
-    return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
-
-
-class HME2(ChainScheme):
+class HME2(HME1):
     """The scheme HME2 (hub motion estimator 2 of Ren et al. 2019)."""
 
     name = "HME2"
-    on_board = True
     sections = ("hme2", "hme")
 
     def start(self, known: Known) -> HME2Estimator:
-        return HME2Estimator(known, self.kernel(known))
+        tuning, sensors = known.tuning, known.sensors
+        window, mhe = self.choose_window(tuning), self.make_horizon(tuning, sensors)
+        return HME2Estimator(known, self.kernel(known), window, mhe)
 
-    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        sensors, tuning = known.sensors, known.tuning
-        return online_chain(
-            tuning.hme2,
-            sensors,
-            window=choose_window(tuning),
-            delay=sensors.delay,
-            mhe=make_horizon(tuning, sensors),
-            solver=tuning.hme.mhe.solver,
-            hold=tuning.hme.predictor.hold,
-            origin=origin,
-        )
+    def choose_window(self, tuning: HubConfig) -> int:
+        """Return the smoother's window, in IMU steps: HME2's own, or else that of HME1."""
+        window = tuning.hme.mhe.smoother_window
+        return super().choose_window(tuning) if window is None else window
+
+    def make_horizon(self, tuning: HubConfig, sensors: Sensors) -> Horizon:
+        mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
+        return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
 
     def under(self, config: HubConfig) -> Scheme:
         """Return `Stepwise` with constraints, or if fixes lose weight; else `self`."""
         if np.any(np.isfinite(config.hme.mhe.bounds)):
             return Stepwise(self, "its constraints leave")
-        return self if config.hme2.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
+        return super().under(config)
 
     def check(self, config: HubConfig) -> None:
-        check_window(config, "hme.smoother_window", config.hme.smoother_window)
+        super().check(config)
         check_mhe(config)
-
-    def make_chain(self, known: Known, steps: int) -> Chain:
-        sensors, tuning = known.sensors, known.tuning
-        return chain(
-            axis_filter(tuning.hme2, sensors),
-            sensors,
-            rule=tuning.hme2.update_rule,
-            input_delay=sensors.delay,
-            window=choose_window(tuning),
-            predict=input_model(tuning.hme2, sensors, tuning.hme.predictor.hold),
-            horizon=make_horizon(tuning, sensors),
-            steps=steps,
-        )
 
 
 SCHEME = HME2()

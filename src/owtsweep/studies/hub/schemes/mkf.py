@@ -19,13 +19,12 @@ from numpy.typing import ArrayLike
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain
-from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
+from owtsweep.studies.hub.contract import ZERO, Known
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.scheme_sections import FilterTuning
-from owtsweep.studies.hub.schemes.chained import ChainScheme
+from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -47,34 +46,23 @@ class FilterEstimator:
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
 
-class FilterScheme(ChainScheme):
+class FilterAlone(FilterScheme):
     """A scheme of a multirate Kalman filter alone, which the key `section` tunes."""
-
-    on_board = True
 
     def __init__(self, name: str, section: str) -> None:
         self.name = name
         self.sections = (section,)
 
     def start(self, known: Known) -> FilterEstimator:
-        return FilterEstimator(self._choose(known.tuning), known.sensors)
+        return FilterEstimator(self.choose_filter(known.tuning), known.sensors)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        return online_chain(self._choose(known.tuning), known.sensors, origin=origin)
-
-    def under(self, config: HubConfig) -> Scheme:
-        """Return `Stepwise` if fixes lose weight, else `self`."""
-        plain = self._choose(config).fix_rule == "plain"
-        return self if plain else Stepwise(self, "its fix_rule leaves")
+        return online_chain(self.choose_filter(known.tuning), known.sensors, origin=origin)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
-        chosen, sensors = self._choose(known.tuning), known.sensors
+        chosen, sensors = self.choose_filter(known.tuning), known.sensors
         return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
 
-    def _choose(self, config: HubConfig) -> FilterTuning:
-        chosen: FilterTuning = getattr(config, self.sections[0])
-        return chosen
 
-
-SCHEME = FilterScheme("MKF", "mkf")
-EKF = FilterScheme("EKF", "ekf")
+SCHEME = FilterAlone("MKF", "mkf")
+EKF = FilterAlone("EKF", "ekf")

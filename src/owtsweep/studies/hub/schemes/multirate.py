@@ -11,7 +11,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Innovation
-from owtsweep.studies.hub.fix_rules import FixJudge, FixRule
+from owtsweep.studies.hub.fix_rules import PLAIN, FixJudge, FixRule
 from owtsweep.studies.hub.models import POSITION, AxisFilter
 
 _I = np.eye(2)
@@ -43,11 +43,11 @@ class MultirateKalmanFilter:
     """
 
     def __init__(
-        self, axis: AxisFilter, rotation: Array, rule: str, fix_rule: FixRule | None = None
+        self, axis: AxisFilter, rotation: Array, rule: str, fix_rule: FixRule = PLAIN
     ) -> None:
         from filterpy.kalman import KalmanFilter
 
-        self.judge = FixJudge(FixRule() if fix_rule is None else fix_rule)
+        self.judge = FixJudge(fix_rule)
         self.rule = rule
         self.rotation = rotation
         self.takes_input = not np.any(axis.force_row)

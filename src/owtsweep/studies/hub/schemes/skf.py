@@ -11,6 +11,7 @@ elsewhere the keys skf.natural_period and skf.amplitude do.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
@@ -22,8 +23,8 @@ from owtsweep.studies.hub.contract import ZERO, Known, Scheme
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
-from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
-from owtsweep.studies.hub.spectral_model import make_axes
+from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
+from owtsweep.studies.hub.spectral_model import SpectralAxis, make_axes
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.spectral_batch import SpectralKernel
@@ -42,17 +43,11 @@ class SpectralScheme(Scheme):
     on_board = True
 
     def start(self, known: Known) -> SpectralEstimator:
-        x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
-        rule = _make_rule(known)
-        filters = (KalmanAxisFilter(x, rule), KalmanAxisFilter(y, rule))
-        return SpectralEstimator(filters, known.sensors)
+        return _start(known, KalmanAxisFilter, ZERO)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
         """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
-        x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
-        rule = _make_rule(known)
-        filters = (CompiledAxisFilter(x, rule), CompiledAxisFilter(y, rule))
-        return SpectralEstimator(filters, known.sensors, origin)
+        return _start(known, CompiledAxisFilter, origin)
 
     def own_kernel(self, known: Known, steps: int) -> SpectralKernel:
         from owtsweep.studies.hub.spectral_batch import SpectralKernel
@@ -80,9 +75,15 @@ class WeighingSpectralScheme(SpectralScheme):
     batched = ""
 
 
-def _make_rule(known: Known) -> FixRule:
+def _start(
+    known: Known,
+    filter: Callable[[SpectralAxis, FixRule], AxisFilter],
+    origin: ArrayLike | None,
+) -> SpectralEstimator:
     skf = known.tuning.skf
-    return make_fix_rule(skf, skf.fix_rule or "plain", axes=1)
+    x, y = make_axes(find_motion(known), skf, known.sensors)
+    rule = make_fix_rule(skf, skf.fix_rule or "plain", axes=1)
+    return SpectralEstimator((filter(x, rule), filter(y, rule)), known.sensors, origin)
 
 
 def find_motion(known: Known) -> KnownMotion:
