@@ -148,9 +148,7 @@ def test_the_filter_that_weighs_gives_what_its_gains_give_if_all_count_alike(
     fast, slow = random.normal(size=400), random.normal(size=100)
     gains, lanes = start(model), late.start_lanes(len(start_weighing(model).x), 1)
     found = late.prepare_estimates(400, 100, 1)
-    late.follow(
-        0, 0, fast[:, None], slow[:, None], 0, model, OUTPUTS, gains.find(400), lanes, found
-    )
+    late.follow(0, fast[:, None], slow[:, None], 0, model, OUTPUTS, gains.find(400), lanes, found)
     weighed = weigh_all(model, start_weighing(model), fast, slow)
     np.testing.assert_allclose(weighed.outputs, found.outputs[..., 0], atol=1e-9)
     np.testing.assert_allclose(weighed.covariance, found.covariance, rtol=1e-8, atol=1e-12)

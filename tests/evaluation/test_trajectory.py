@@ -1,10 +1,10 @@
-"""Trajectories: pieces join to the whole, and what an estimator does not state is NaN."""
+"""Trajectories: what an estimator does not state is NaN, and covariances of one axis."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.evaluation.trajectory import Trajectory, join, spread_to_both_axes
+from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 
 
 def make_trajectory(steps=9) -> Trajectory:
@@ -13,22 +13,6 @@ def make_trajectory(steps=9) -> Trajectory:
         draw.normal(size=(steps, 4)), draw.normal(size=(steps, 4, 4)) ** 2,
         draw.normal(size=(steps, 2)), draw.normal(size=(steps, 2, 2)) ** 2,
     )  # fmt: skip
-
-
-def test_parts_join_to_the_whole():
-    whole = make_trajectory()
-    joined = join([whole.part(slice(0, 4)), whole.part(slice(4, 4)), whole.part(slice(4, 9))])
-    assert all(np.array_equal(one, other) for one, other in zip(joined, whole, strict=True))
-
-
-def test_what_some_pieces_lack_is_nan_in_the_whole():
-    whole = make_trajectory()
-    joined = join([Trajectory(whole.state[:4]), whole.part(slice(4, 9))])
-    assert np.array_equal(joined.state, whole.state)
-    assert np.isnan(joined.covariance[:4]).all()
-    assert np.array_equal(joined.innovation[4:], whole.innovation[4:])
-    bare = join([Trajectory(whole.state[:4]), Trajectory(whole.state[4:])])
-    assert bare[1:] == (None, None, None)
 
 
 def test_without_a_covariance_all_is_nan():

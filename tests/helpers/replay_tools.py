@@ -124,5 +124,6 @@ def measure(
     """All measures of one replicate whose estimates are in memory as a whole."""
     tally = Tally(record, fixes, sensors, settled)
     for begin, end in itertools.pairwise(tally.edges):
-        tally.add(estimated.part(slice(begin, end)))
+        parts = (None if series is None else series[begin:end] for series in estimated)
+        tally.add(Trajectory(*parts))
     yield from tally.measures()

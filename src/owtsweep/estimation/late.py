@@ -475,16 +475,14 @@ def prepare_estimates(steps: int, fixes: int, lanes: int) -> LateEstimates:
 
 
 @njit
-def follow(first, base, force, fixes, column, model, outputs, rows, state, filled):
+def follow(first, force, fixes, column, model, outputs, rows, state, filled):
     """Run the filter on some lanes, with gains that are computed before.
 
     first: number of the first step.
-    base: the step whose gains stand in the first row. After the last row, the rows of the last
-        interval repeat.
     force, fixes: fast measurements, one row per step, and slow ones, one row for each that is due;
         those of the first lane are in column `column`, those of the others beside it.
-    model, outputs, rows, state: the `LateModel`, the rows (2, n) of its two outputs, `LateRows` and
-        `LateState`.
+    model, outputs, rows, state: the `LateModel`, the rows (2, n) of its two outputs, `LateRows`,
+        and `LateState`. After the last of `rows`, those of the last interval repeat.
     filled: the `LateEstimates` to fill.
     """
     A, h, C, copies, interval = model.A, model.fast, outputs, model.copies, model.interval
@@ -493,7 +491,7 @@ def follow(first, base, force, fixes, column, model, outputs, rows, state, fille
     n, N, count, last = len(h), len(X), len(fast), len(slow) - 1
     new = n + 1 + model.reds
     since, to_copy = first % interval, (interval - (first + model.delay) % interval) % interval
-    row = schedule_row(first - base, count, interval)
+    row = schedule_row(first, count, interval)
     number, q = min((row + interval - 1) // interval, last), 0
     for k in range(len(force)):
         clear(t)

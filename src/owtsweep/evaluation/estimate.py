@@ -9,20 +9,6 @@ from typing import Any, NamedTuple
 from owtsweep.arrays import Array
 
 
-class Quantity(NamedTuple):
-    """A quantity that a study judges, such as position with the components x and y.
-
-    An estimate of it is an array with one number per component.
-    """
-
-    name: str
-    components: tuple[str, ...]
-
-
-#: Position and velocity in the plane: the quantities judged by default.
-PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
-
-
 class Innovation(NamedTuple):
     """A measurement minus its prediction: value, shape (m,), and its covariance, shape (m, m).
 

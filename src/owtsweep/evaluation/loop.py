@@ -7,13 +7,13 @@ that comes less often, such as a position from GNSS, is called a fix.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import PLANAR_MOTION, Estimate, Quantity
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.evaluation.trajectory import Trajectory
 
 
@@ -40,35 +40,23 @@ class RecordEstimator(ABC):
 
 
 def run_estimator(
-    estimator: Updating,
-    inputs: Array,
-    fixes: Array,
-    fix_interval: int,
-    *,
-    judged: Sequence[Quantity] = PLANAR_MOTION,
+    estimator: Updating, inputs: Array, fixes: Array, fix_interval: int
 ) -> Trajectory:
     """Run an estimator over a whole record, and return the estimates of all steps.
 
     Raise `TypeError` if `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
-    Raise `ValueError` if an estimate lacks a quantity, has the wrong shape or is not finite.
+    Raise `ValueError` if an estimate lacks position or velocity, has the wrong shape or is not
+    finite.
 
     `estimator`: the estimator, before its first step. `inputs`, `fixes`: shape (steps, i), and
     shape (fixes, m); fix j belongs to step j * fix_interval, and is NaN if it did not arrive.
-    `judged`: the quantities to take from the estimates, in the order of the result's columns.
     """
     arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
     arrived[::fix_interval] = fixes
-    return run_steps(estimator, np.ascontiguousarray(inputs), arrived, judged=judged)
+    return run_steps(estimator, np.ascontiguousarray(inputs), arrived)
 
 
-def run_steps(
-    estimator: Updating,
-    inputs: Array,
-    fixes: Array,
-    *,
-    first: int = 0,
-    judged: Sequence[Quantity] = PLANAR_MOTION,
-) -> Trajectory:
+def run_steps(estimator: Updating, inputs: Array, fixes: Array, *, first: int = 0) -> Trajectory:
     """Run an estimator over the next steps of a record, and return the estimates of these steps.
 
     The method `run_record` of a `RecordEstimator` is called once for all steps. Of others, the
@@ -78,14 +66,13 @@ def run_steps(
     estimator: the estimator, which has taken all earlier steps of the record.
     inputs, fixes: shape (steps, i), and shape (steps, m), NaN at steps without a fix.
     first: Number of the first of these steps in the record, for error messages.
-    judged: the quantities to take from the estimates, in the order of the result's columns.
     """
     if isinstance(estimator, RecordEstimator):
         trajectory = estimator.run_record(inputs, fixes)
-        _check_trajectory(trajectory, len(inputs), sum(len(each.components) for each in judged))
+        _check_trajectory(trajectory, len(inputs))
     else:
         estimates = _update_step_by_step(estimator, inputs, fixes)
-        trajectory = collect(estimates, judged, len(inputs), first)
+        trajectory = collect(estimates, len(inputs), first)
     finite = np.isfinite(trajectory.state).all(axis=1)
     if not np.all(finite):
         raise ValueError(f"the estimate of step {first + int(np.argmin(finite))} is not finite")
@@ -98,32 +85,26 @@ def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> It
         yield estimator.update(sample, fixes[k] if arrived[k] else None)
 
 
-def collect(
-    estimates: Iterable[object], judged: Sequence[Quantity], steps: int, first: int = 0
-) -> Trajectory:
-    """Collect the `Estimate`s of steps from `first` on into a trajectory of `judged`.
+def collect(estimates: Iterable[object], steps: int, first: int = 0) -> Trajectory:
+    """Collect the `Estimate`s of steps from `first` on into a trajectory.
 
     Raise `TypeError` if an item of `estimates` is not an `Estimate`. Raise `ValueError` if an
-    estimate lacks a quantity, or a quantity, covariance or innovation has the wrong shape or does
-    not consist of real numbers. The message names the step.
+    estimate lacks position or velocity, or if one of them, a covariance or an innovation has the
+    wrong shape or does not consist of real numbers. The message names the step.
     """
-    size = sum(len(quantity.components) for quantity in judged)
-    state = np.empty((steps, size))
+    state = np.empty((steps, 4))
     covariance: Array | None = None
     innovation: Array | None = None
     innovation_covariance: Array | None = None
     for k, estimate in enumerate(estimates):
         if not isinstance(estimate, Estimate):
             raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
-        start = 0
-        for name, components in judged:
-            stop = start + len(components)
-            state[k, start:stop] = _check_quantity(estimate, name, len(components), first + k)
-            start = stop
+        state[k, :2] = _check_quantity(estimate, "position", first + k)
+        state[k, 2:] = _check_quantity(estimate, "velocity", first + k)
         if estimate.covariance is not None:
             if covariance is None:
-                covariance = np.full((steps, size, size), np.nan)
-            covariance[k] = _check_array(estimate.covariance, (size, size), "covariance", first + k)
+                covariance = np.full((steps, 4, 4), np.nan)
+            covariance[k] = _check_array(estimate.covariance, (4, 4), "covariance", first + k)
         if estimate.innovation is not None:
             value, weight = estimate.innovation.value, estimate.innovation.covariance
             if innovation is None or innovation_covariance is None:
@@ -138,10 +119,10 @@ def collect(
     return Trajectory(state, covariance, innovation, innovation_covariance)
 
 
-def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Array:
+def _check_quantity(estimate: Estimate, name: str, step: int) -> Array:
     if name not in estimate.quantities:
         raise ValueError(f"the estimate of step {step} has no {name}")
-    return _check_array(estimate.quantities[name], (size,), name, step)
+    return _check_array(estimate.quantities[name], (2,), name, step)
 
 
 def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) -> Array:
@@ -157,13 +138,13 @@ def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) ->
     return array.astype(float, copy=False)
 
 
-def _check_trajectory(trajectory: Trajectory, steps: int, size: int) -> None:
-    """Raise `TypeError` or `ValueError` unless `run_record` gave finite floats (steps, size)."""
+def _check_trajectory(trajectory: Trajectory, steps: int) -> None:
+    """Raise `TypeError` or `ValueError` unless `run_record` gave floats (steps, 4)."""
     if not isinstance(trajectory, Trajectory):
         raise TypeError(f"run_record gave a {type(trajectory).__name__}, not a Trajectory")
     state = np.asarray(trajectory.state)
-    if state.shape != (steps, size) or state.dtype.kind != "f":
+    if state.shape != (steps, 4) or state.dtype.kind != "f":
         raise ValueError(
             f"run_record gave states of {state.dtype} and the shape {state.shape}, not numbers of "
-            f"the shape ({steps}, {size})"
+            f"the shape ({steps}, 4)"
         )

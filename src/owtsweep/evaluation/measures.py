@@ -1,4 +1,4 @@
-"""Compute measures from errors: MSE, NEES and NIS of quantities of any dimension.
+"""Compute measures from errors of position and velocity in the plane: MSE, NEES and NIS.
 
 A linear estimator's error is the sum of two parts: one part is due to the motion, the other to
 everything else, called noise. Every measure here is a mean of squares, so it consists of the means
@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Quantity
 
 
 class Errors(NamedTuple):
@@ -22,9 +21,9 @@ class Errors(NamedTuple):
 
     Covariances and innovations are NaN at steps without one.
 
-    state: Errors of all judged quantities: one array (steps, n), the whole error, or two, the part
-        due to the motion and the part due to noise.
-    covariance: Covariances of the errors by the estimator's own account, shape (steps, n, n), or
+    state: Errors of x, y, v_x, v_y: one array (steps, 4), the whole error, or two, the part due to
+        the motion and the part due to noise.
+    covariance: Covariances of the errors by the estimator's own account, shape (steps, 4, 4), or
         None.
     innovation: one or two arrays (steps, m), with the same parts as `state`; else no array.
     innovation_covariance: shape (steps, m, m), or None.
@@ -47,28 +46,24 @@ class Mean(NamedTuple):
     samples: int
 
 
-def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
+def measure(errors: Errors, first: int = 0) -> dict[str, Mean]:
     """Compute the measures of a record from step `first` on: mean squared errors, NEES and NIS.
 
-    There is a mean squared error of every component, and of every quantity as the sum over its
-    components. "nees" is the mean of the squared error weighted with the inverse of the estimator's
-    covariance. "nis" is the mean of the squared innovation weighted with the inverse of the
-    innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Without a covariance
-    from step `first` on, "nees" is left out; without an innovation, "nis" is.
+    There is a mean squared error of every component, and of position and velocity as the sum over
+    both components. "nees" is the mean of the squared error weighted with the inverse of the
+    estimator's covariance. "nis" is the mean of the squared innovation weighted with the inverse of
+    the innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Without a
+    covariance from step `first` on, "nees" is left out; without an innovation, "nis" is.
 
-    `judged`: the quantities in the columns of `errors.state`, in order.
-
-    Return name of a component, a quantity, "nees" or "nis" -> mean of the measure.
+    Return name of a component, "position", "velocity", "nees" or "nis" -> mean of the measure.
     """
     state = [part[first:] for part in errors.state]
-    components = [name for quantity in judged for name in quantity.components]
     means = {
         name: Mean(_products([part[:, i] for part in state]), len(state[0]))
-        for i, name in enumerate(components)
+        for i, name in enumerate(("x", "y", "vx", "vy"))
     }
-    for quantity in judged:
-        total, *rest = (means[name].products for name in quantity.components)
-        means[quantity.name] = Mean(sum(rest, total), len(state[0]))
+    for name, x, y in (("position", "x", "y"), ("velocity", "vx", "vy")):
+        means[name] = Mean(means[x].products + means[y].products, len(state[0]))
     if errors.covariance is not None:
         _add_weighted(means, "nees", state, errors.covariance[first:])
     if errors.innovation and errors.innovation_covariance is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +14,8 @@ class Trajectory(NamedTuple):
 
     Covariances and innovations are NaN at steps without one, and None if no step has one.
 
-    state: Estimates of the judged quantities, one after the other, shape (steps, n). For a planar
-        motion the columns are x, y (m), v_x, v_y (m/s), where x is north and y is east.
-    covariance: Covariances of the errors of `state`, shape (steps, n, n).
+    state: Estimates of x, y (m), v_x, v_y (m/s), where x is north and y is east, shape (steps, 4).
+    covariance: Covariances of the errors of `state`, shape (steps, 4, 4).
     innovation, innovation_covariance: Shapes (steps, m) and (steps, m, m).
     """
 
@@ -28,7 +26,7 @@ class Trajectory(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """The standard deviations of the errors of `state`, shape (steps, n); NaN without one."""
+        """The standard deviations of the errors of `state`, shape (steps, 4); NaN without one."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
@@ -38,26 +36,6 @@ class Trajectory(NamedTuple):
         if self.covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 2, 2))
         return self.covariance[:, axis::2, axis::2]
-
-    def part(self, steps: slice) -> Trajectory:
-        """Return the part of the trajectory with the given `steps`, without copying the arrays."""
-        return Trajectory(*(None if a is None else a[steps] for a in self))  # type: ignore[arg-type]
-
-
-def join(pieces: Sequence[Trajectory]) -> Trajectory:
-    """Join successive trajectories; rows of an array that a trajectory lacks are NaN."""
-    state = np.concatenate([piece.state for piece in pieces])
-    return Trajectory(state, *(_join([piece[i] for piece in pieces], pieces) for i in (1, 2, 3)))
-
-
-def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array | None:
-    shape = next((array.shape[1:] for array in series if array is not None), None)
-    if shape is None:
-        return None
-    return np.concatenate([
-        np.broadcast_to(np.nan, (len(piece.state), *shape)) if array is None else array
-        for array, piece in zip(series, pieces, strict=True)
-    ])  # fmt: skip
 
 
 def spread_to_both_axes(covariance: Array) -> Array:

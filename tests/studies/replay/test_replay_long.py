@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 from replay_tools import collect_force, config_of, estimate, motion_file, sensor_file
 
-from owtsweep.evaluation.trajectory import Trajectory, join
+from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.estimates import OnePassSeries
@@ -51,6 +51,19 @@ def short_pieces(monkeypatch):
 def same(one: Trajectory, other: Trajectory) -> bool:
     assert all(series is not None for series in (*one, *other))
     return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, other, strict=True))
+
+
+def join(pieces: list[Trajectory]) -> Trajectory:
+    """Join successive trajectories; rows of an array that a piece lacks are NaN."""
+
+    def join_one(series: tuple[np.ndarray | None, ...]) -> np.ndarray:
+        shape = next(array.shape[1:] for array in series if array is not None)
+        rows = [np.full((len(piece.state), *shape), np.nan) for piece in pieces]
+        return np.concatenate([
+            none if array is None else array for array, none in zip(series, rows, strict=True)
+        ])  # fmt: skip
+
+    return Trajectory(*map(join_one, zip(*pieces, strict=True)))
 
 
 @pytest.mark.parametrize("name", ["EKF", "MKF", "HME1", "HME2"])

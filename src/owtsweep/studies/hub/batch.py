@@ -81,8 +81,14 @@ def sum_errors(
         for first in range(0, len(part.replicates), WIDTH)
     ]
     return [
-        _joined(chain, records.steps, settled, arrays)
-        for chain, arrays in zip(chains, zip(*eights, strict=True), strict=True)
+        measures.join_sums(
+            parts,
+            settled,
+            records.steps,
+            chain.gains.fresh_before,
+            has_covariance=chain.has_covariance,
+        )
+        for chain, parts in zip(chains, zip(*eights, strict=True), strict=True)
     ]
 
 
@@ -144,19 +150,6 @@ class ChainRun:
         work = (stretch, fed, truth, self.arrays, self.weights, self.memory)
         run(*work, self.sums, self.squared)
         self.done = ready
-
-
-def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
-    sums, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
-    lengths = np.array([settled, steps - settled])
-    return Sums(
-        products=sums,
-        steps=lengths,
-        covariances=lengths if chain.has_covariance else np.zeros_like(lengths),
-        innovations=np.array([early, whole - early]),
-        squared=squared,
-    )
 
 
 def arrays_of(chain: Chain) -> ChainArrays:

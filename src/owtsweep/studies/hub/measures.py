@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import PLANAR_MOTION
 from owtsweep.evaluation.measures import Errors, Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base.rows import Means
@@ -39,6 +39,31 @@ class Sums(NamedTuple):
     covariances: NDArray[np.int64]
     innovations: NDArray[np.int64]
     squared: Array
+
+
+def join_sums(
+    parts: Sequence[tuple[Array, Array]],
+    settled: int,
+    steps: int,
+    count_innovations: Callable[[int], int],
+    *,
+    has_covariance: bool = True,
+) -> Sums:
+    """Join `products` and `squared` of some records each to the `Sums` of all of them.
+
+    `count_innovations` returns the number of innovations before a step; records have `steps` steps,
+    of which `settled` is the first after the settling time.
+    """
+    products, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
+    lengths = np.array([settled, steps - settled])
+    early = count_innovations(settled)
+    return Sums(
+        products,
+        lengths,
+        lengths if has_covariance else np.zeros_like(lengths),
+        np.array([early, count_innovations(steps) - early]),
+        squared,
+    )
 
 
 def from_sums(sums: Sums) -> list[Means]:
@@ -106,7 +131,7 @@ def from_trajectories(
     )
     entries = []
     for window, start in zip(WINDOWS, (0, settled), strict=True):
-        means = measure(errors, PLANAR_MOTION, start)
+        means = measure(errors, start)
         if extremes and motion is None:
             squared = np.sum(errors.state[0][start:, :2] ** 2, axis=1)[:, None]
             values = zip(EXTREMES, _extremes(squared)[..., 0], strict=True)

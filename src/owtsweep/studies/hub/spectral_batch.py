@@ -14,7 +14,7 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.late import follow, prepare_estimates, start_lanes
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.kernels.sums import add_spectral_errors
-from owtsweep.studies.hub.measures import Sums
+from owtsweep.studies.hub.measures import Sums, join_sums
 from owtsweep.studies.hub.records import Feed, Records
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
@@ -33,17 +33,8 @@ class SpectralKernel(NamedTuple):
             for part in records.parts()
             for first in range(0, len(part.replicates), WIDTH)
         ]
-        sums, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
-        lengths = np.array([settled, records.steps - settled])
         interval = records.sensors.fix_interval
-        early, whole = (fix_count(step, interval) for step in (settled, records.steps))
-        return Sums(
-            products=sums,
-            steps=lengths,
-            covariances=lengths,
-            innovations=np.array([early, whole - early]),
-            squared=squared,
-        )
+        return join_sums(parts, settled, records.steps, lambda step: fix_count(step, interval))
 
     def _run_eight(self, feed: Feed, settled: int, keep: bool) -> tuple[Array, Array]:
         """Run up to eight replicates; return sums (2, 6, 3, replicates) and squared errors."""
@@ -89,7 +80,7 @@ class AxisRun:
         fix, stop = (fix_count(step, M) for step in (first, first + steps))
         found = prepare_estimates(steps, stop - fix, WIDTH)
         follow(
-            first, 0, force, self.fixes[fix:stop], self.column, self.axis.model, self.axis.outputs,
+            first, force, self.fixes[fix:stop], self.column, self.axis.model, self.axis.outputs,
             self.rows, self.state, found,
         )  # fmt: skip
         add_spectral_errors(settled - first, found, motion, cosine, self.sums, squared)

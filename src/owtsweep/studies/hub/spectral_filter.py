@@ -160,7 +160,7 @@ class CompiledAxisFilter:
         rows = self._axis.gains.find(min(self._step + steps, LONGEST_TRANSIENT))
         found = prepare_estimates(steps, len(due), 1)
         follow(
-            self._step, 0, np.ascontiguousarray(force)[:, None], fixes[due][:, None], 0, model,
+            self._step, np.ascontiguousarray(force)[:, None], fixes[due][:, None], 0, model,
             self._axis.outputs, rows, self._lanes, found,
         )  # fmt: skip
         innovation, variance, weight = np.full((3, steps), np.nan)
