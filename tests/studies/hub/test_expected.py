@@ -240,16 +240,17 @@ def test_the_verdict_by_brute_force() -> None:
     values[3, 0, 0] = values[2, 0, 0] * (1 + 1e-5)
     values[[0, 1], 0, 0] = 5.0
     verdict = answers.judge(values)
+    distinguishable = verdict.difference > answers.RESOLUTION * verdict.mse_best
     for cell in np.ndindex(5, 6):
         column = values[(slice(None), *cell)]
         order = [1, 2, 3]
         order.sort(key=lambda i: column[i])
         assert (verdict.best[cell], verdict.runner_up[cell]) == (order[0], order[1])
         gap = column[order[1]] / column[order[0]] - 1.0
-        assert verdict.distinguishable[cell] == (gap > answers.RESOLUTION)
-    assert not verdict.distinguishable[0, 0]
+        assert distinguishable[cell] == (gap > answers.RESOLUTION)
+    assert not distinguishable[0, 0]
     same = answers.judge(np.ones((2, 1, 1)))
-    assert (same.best[0, 0], same.runner_up[0, 0], same.distinguishable[0, 0]) == (1, 0, False)
+    assert (same.best[0, 0], same.runner_up[0, 0], same.difference[0, 0]) == (1, 0, 0.0)
     assert answers.judge(np.ones((1, 1, 1))).runner_up[0, 0] == -1
 
 

@@ -106,7 +106,11 @@ def _check_sensors(config: HubConfig) -> None:
             f"sensors.imu.high_pass: {imu.high_pass:g} Hz is not below half of the IMU's rate, "
             f"{imu.rate / 2.0:g} Hz; use e.g. 0.01, or null for none",
         )
-    check_fix_interval(round(ratio))
+    require(
+        round(ratio) <= MOST_STEPS_BETWEEN_FIXES,
+        f"sensors.gnss.rate: this rate leaves {round(ratio):.3g} IMU steps between fixes, more "
+        f"than {MOST_STEPS_BETWEEN_FIXES}; raise this rate, or lower sensors.imu.rate",
+    )
     _check_steps("sensors.gnss.delay", gnss.delay, imu.rate)
 
 
@@ -224,21 +228,22 @@ def count_table_bytes(config: HubConfig) -> int:
     return 3 * values + rows + lines
 
 
-def check_fix_interval(steps: int) -> None:
-    """Raise InputError if there are too many IMU steps between fixes: each has stored gains."""
-    require(
-        steps <= MOST_STEPS_BETWEEN_FIXES,
-        f"sensors.gnss.rate: this rate leaves {steps:.3g} IMU steps between fixes, more than "
-        f"{MOST_STEPS_BETWEEN_FIXES}; raise this rate, or lower sensors.imu.rate",
-    )
+#: A time counts as a multiple of a step if it is one within this fraction of the step.
+GRAIN = 1e-6
 
 
-def check_buffers(key: str, window: int, delay: int) -> None:
-    """Raise InputError if the buffers that a smoother needs do not fit into memory.
+def check_window(config: HubConfig, key: str, window: int) -> None:
+    """Raise InputError if a smoother's window, in steps, exceeds the record or the memory.
 
-    A record is computed in pieces of twice the sum of `window` and `delay`, for 24 series at once.
-    `key` is that of the window, whose length is in IMU steps, like the delay of the GNSS.
+    A record is computed in pieces of twice the sum of window and delay, for 24 series at once.
     """
+    steps = config.record.duration * config.sensors.imu.rate
+    require(
+        window < steps,
+        f"{key}: {window} steps are longer than the record of {steps:.0f} steps; shorten the "
+        "window",
+    )
+    delay = round(config.sensors.gnss.delay * config.sensors.imu.rate)
     chunk = 2 * (window + delay)
     needed = 3 * NUMBER * REPLICATES_PER_BLOCK * (6 * (window + chunk) + 4 * chunk + 6 * window)
     require(
@@ -246,31 +251,6 @@ def check_buffers(key: str, window: int, delay: int) -> None:
         f"{key}: {window} steps, and {delay} steps of sensors.gnss.delay, need some "
         f"{needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; shorten the window or delay",
     )
-
-
-def check_horizon(intervals: int) -> None:
-    """Raise InputError if the MHE's matrices do not fit into memory; `intervals` of the GNSS."""
-    needed = 12 * NUMBER * intervals**2
-    require(
-        needed <= MOST_BYTES,
-        f"hme.mhe.horizon: {intervals} GNSS intervals need some {needed / 1e9:.3g} GB, more than "
-        f"{MOST_BYTES / 1e9:g} GB; shorten the horizon",
-    )
-
-
-#: A time counts as a multiple of a step if it is one within this fraction of the step.
-GRAIN = 1e-6
-
-
-def check_window(config: HubConfig, key: str, window: int) -> None:
-    """Raise InputError if a smoother's window, in steps, exceeds the record or the memory."""
-    steps = config.record.duration * config.sensors.imu.rate
-    require(
-        window < steps,
-        f"{key}: {window} steps are longer than the record of {steps:.0f} steps; shorten the "
-        "window",
-    )
-    check_buffers(key, window, round(config.sensors.gnss.delay * config.sensors.imu.rate))
 
 
 def check_mhe(config: HubConfig) -> None:
@@ -296,7 +276,12 @@ def check_mhe(config: HubConfig) -> None:
         f"hme.mhe.horizon: {mhe.horizon} GNSS intervals ({mhe.horizon / gnss.rate:g} s) are longer "
         f"than the record of {config.record.duration:g} s; shorten the horizon",
     )
-    check_horizon(mhe.horizon)
+    needed = 12 * NUMBER * mhe.horizon**2  # its matrices
+    require(
+        needed <= MOST_BYTES,
+        f"hme.mhe.horizon: {mhe.horizon} GNSS intervals need some {needed / 1e9:.3g} GB, more than "
+        f"{MOST_BYTES / 1e9:g} GB; shorten the horizon",
+    )
     require(
         mhe.arrival != "none" or mhe.horizon >= 2,
         "hme.mhe.arrival: 'none' needs at least 3 fixes in the window to determine position, "
@@ -321,7 +306,13 @@ def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         "sensors.imu.high_pass: engine=expected cannot shift the phase of the force, as an AC "
         "coupling does; use engine=batch",
     )
-    for fault, there in _list_faults(config).items():
+    gnss = config.sensors.gnss
+    faults = {
+        "outliers": gnss.outliers.rate > 0.0,
+        "loss": gnss.loses,
+        "correlation": gnss.correlation.sigma > 0.0,
+    }
+    for fault, there in faults.items():
         require(
             not there,
             f"sensors.gnss.{fault}: engine=expected knows white noise of fixes that all arrive; "
@@ -353,13 +344,3 @@ def _check_skf(config: HubConfig, name: str) -> None:
         f"schemes: without a bias walk {name} never settles, so engine=expected has no error to "
         "tell; give skf.q_b above zero, e.g. skf.q_b=1e-6, or leave SKF out of schemes",
     )
-
-
-def _list_faults(config: HubConfig) -> dict[str, bool]:
-    """Return key of sensors.gnss -> whether it sets a fault that theory of white noise lacks."""
-    gnss = config.sensors.gnss
-    return {
-        "outliers": gnss.outliers.rate > 0.0,
-        "loss": gnss.loses,
-        "correlation": gnss.correlation.sigma > 0.0,
-    }

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures.drawings import Drawing, save_figure
@@ -28,6 +29,8 @@ from owtsweep.studies.hub.conditions import (
     JUDGED,
     criteria,
     find_world,
+    get_conditions,
+    get_grid,
     get_map_conditions,
     list_maps,
 )
@@ -40,6 +43,7 @@ from owtsweep.studies.hub.describe import (
     describe_truth,
     find_winners,
     judge_efficiency,
+    list_origin,
     make_cube,
     tell_not_asked,
     tell_window,
@@ -157,6 +161,15 @@ class _Engine(Engine):
         }
 
 
+#: Computing time in s for an IMU step of one record and one scheme, motion and noise included:
+#: `results/reference/paper/manifest.json` has 8.98 s for 100 000 steps, 600 records, 4 schemes.
+SECONDS_PER_STEP = 3.7e-8
+#: Bytes: of the process, per record and step of a worker, and the most of a worker, which runs long
+#: records in parts. `benchmarks/measured.json` has the peaks to which these numbers were fitted, to
+#: within a fifth up to 2000 s; longer records need less than predicted.
+PROCESS, PER_STEP, MOST_OF_WORKER = 300e6, 120, 200e6
+
+
 class RecordsEngine(DeclaredBlocks, _Engine):
     """The engine for the keys engine=batch and engine=reference: runs schemes on records."""
 
@@ -198,7 +211,23 @@ class RecordsEngine(DeclaredBlocks, _Engine):
     def predict(
         self, config: HubConfig, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
-        return predict_cost(config, blocks, workers)
+        """Return the computing time of blocks in s, without compilation, and the memory in bytes.
+
+        None if a kernel does not run all schemes: the time of step-by-step runs differs by orders
+        of magnitude from scheme to scheme.
+        """
+        parts = config.by_tuning().values()
+        for part in parts:
+            schemes = resolve_all(part.schemes, part)
+            if not all(uses_kernels(part, scheme) for scheme in schemes):
+                return None
+        steps = config.record.duration * config.sensors.imu.rate
+        records = sum(count_records(block) for block in blocks)
+        moved = {block.group: count_records(block) for block in blocks}
+        motion = self.world.seconds_per_step * steps * sum(moved.values())
+        each = min(PER_STEP * steps * REPLICATES_PER_BLOCK, MOST_OF_WORKER)
+        tables = sum(count_table_bytes(part) for part in parts)
+        return motion + SECONDS_PER_STEP * steps * records, PROCESS + workers * each + tables
 
     def plan_look(self, config: HubConfig, rows: pd.DataFrame) -> Look | None:
         """Return the next look; None if all cells are decided or have most records."""
@@ -274,31 +303,25 @@ ENGINES: dict[str, Callable[[World], Engine]] = {
 }
 
 
-#: Computing time in s for an IMU step of one record and one scheme, motion and noise included:
-#: `results/reference/paper/manifest.json` has 8.98 s for 100 000 steps, 600 records, 4 schemes.
-SECONDS_PER_STEP = 3.7e-8
-#: Bytes: of the process, per record and step of a worker, and the most of a worker, which runs long
-#: records in parts. `benchmarks/measured.json` has the peaks to which these numbers were fitted, to
-#: within a fifth up to 2000 s; longer records need less than predicted.
-PROCESS, PER_STEP, MOST_OF_WORKER = 300e6, 120, 200e6
-
-
-def predict_cost(
-    config: HubConfig, blocks: Sequence[Block], workers: int
-) -> tuple[float, float] | None:
-    """Return the computing time of blocks in s, without compilation, and the memory in bytes.
-
-    None if a kernel does not run all schemes: the time of step-by-step runs differs by orders of
-    magnitude from scheme to scheme.
-    """
-    for part in config.by_tuning().values():
-        schemes = resolve_all(part.schemes, part)
-        if not all(uses_kernels(part, scheme) for scheme in schemes):
-            return None
-    steps = config.record.duration * config.sensors.imu.rate
-    records = sum(count_records(block) for block in blocks)
-    moved = {block.group: count_records(block) for block in blocks}
-    motion = find_world(config).seconds_per_step * steps * sum(moved.values())
-    each = min(PER_STEP * steps * REPLICATES_PER_BLOCK, MOST_OF_WORKER)
-    tables = sum(count_table_bytes(part) for part in config.by_tuning().values())
-    return motion + SECONDS_PER_STEP * steps * records, PROCESS + workers * each + tables
+def describe_run(run: Candidate) -> Aspects:
+    """Describe a run of the hub study, and what two runs must share so that records are paired."""
+    config: HubConfig = run.config
+    window, world = config.measures.window, find_world(config)
+    # sigma, delay, rate, bias and tuning change neither the motion's phases nor the draws of noise
+    pairing = {"seed": config.seed, "record": config.record, **world.list_pairing(config)}
+    return Aspects(
+        conditions=get_conditions(config),
+        grid=get_grid(config),
+        schemes=scheme_names(config),
+        criterion=config.measures.criterion,
+        window=window,
+        pairing=pairing,
+        boundary=world.boundary,
+        origin=list_origin(config),
+        beside=list_baselines(config),
+        best_of=None
+        if ENGINES[config.engine](world).samples
+        else lambda rows, grid, schemes, criterion: answers.best_scheme(
+            rows, schemes, [criterion], grid, window
+        ),
+    )

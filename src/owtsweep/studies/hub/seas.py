@@ -56,7 +56,7 @@ def find_structure(config: HubConfig) -> Structure:
     return structure
 
 
-def stretch_sea(config: HubConfig, period: float, normalise: str) -> StretchedSource:
+def stretch_sea(config: HubConfig, period: float) -> StretchedSource:
     """Return the motion of the structure in its one sea, slowed until its first mode has a period.
 
     `period` is in s. Its size is set as that of a spectrum's motion.
@@ -67,7 +67,7 @@ def stretch_sea(config: HubConfig, period: float, normalise: str) -> StretchedSo
         conditions["friction_angle"] = LAYERS
     plant = make_plant(config, conditions)
     stretch = period * float(plant.vibration.frequency[0])
-    return StretchedSource(plant, stretch, normalise)
+    return StretchedSource(plant, stretch, config.normalise)
 
 
 def check_one_sea(config: HubConfig) -> None:
@@ -86,4 +86,4 @@ def check_one_sea(config: HubConfig) -> None:
         "motion.peaks: the structure moves in place of a spectrum; leave one of them out",
     )
     find_structure(config).check()
-    stretch_sea(config, 1.0, config.normalise)
+    stretch_sea(config, 1.0)

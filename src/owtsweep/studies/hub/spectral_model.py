@@ -151,11 +151,5 @@ def fit_or_recall(frequency: Array, density: Array, states: int, floor: Array) -
         return {name: np.asarray(value) for name, value in vars(shape).items()}
 
     kept = cached(what, fit)
-    return ShapingFilter(
-        A=kept["A"],
-        B=kept["B"],
-        position=kept["position"],
-        velocity=kept["velocity"],
-        acceleration=kept["acceleration"],
-        error=float(kept["error"]),
-    )
+    rows = {name: array for name, array in kept.items() if name != "error"}
+    return ShapingFilter(**rows, error=float(kept["error"]))

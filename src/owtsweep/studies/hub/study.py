@@ -153,7 +153,7 @@ class HubStudy(HubKeys):
     ) -> Findings:
         """Compare runs: how best scheme, boundary of HME1 and HME2, and errors change."""
         from owtsweep.comparing.compare import compare
-        from owtsweep.studies.hub.comparing import describe_run
+        from owtsweep.studies.hub.engines import describe_run
 
         return compare(comparison, folder, describe_run, metadata=metadata)
 

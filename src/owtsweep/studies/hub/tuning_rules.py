@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import sqrt
 from typing import TypeVar
 
@@ -35,6 +35,7 @@ class Facts:
     gnss_sigma, imu_sigma: standard deviations of a fix (m) and of a sample (m/s^2), per axis.
     gnss_rate, imu_rate: fixes and samples per second, Hz.
     delay: age of a fix when it arrives, s.
+    bias_walk: intensity of the IMU's bias walk, m/s^2/sqrt(s). Facts are equal whatever it is.
     """
 
     gnss_sigma: float
@@ -42,13 +43,16 @@ class Facts:
     delay: float
     imu_sigma: float
     imu_rate: float
+    bias_walk: float = field(compare=False)
 
 
 #: The sections that hold a filter.
 FILTERS = ("ekf", "mkf", "hme1", "hme2")
 #: The sensors of `sensors=ren2019`. Their numbers for HME2 are those of a search that is over, so
 #: that stored runs of `tuning=matched` keep their blocks.
-DEFAULT = Facts(gnss_sigma=0.03, gnss_rate=1.0, delay=0.2, imu_sigma=0.15, imu_rate=100.0)
+DEFAULT = Facts(
+    gnss_sigma=0.03, gnss_rate=1.0, delay=0.2, imu_sigma=0.15, imu_rate=100.0, bias_walk=1e-4
+)
 RECORDED = {
     "hme2.q_a": 13.9,
     "hme2.r_gnss.scale": 0.0611,
@@ -69,13 +73,12 @@ VALID = {
 }
 
 
-def compute_numbers(facts: Facts, bias_walk: float) -> Plain:
+def compute_numbers(facts: Facts) -> Plain:
     """Return key -> number for all keys that may be `auto`, by rule.
 
-    `bias_walk` is the intensity of the IMU's bias walk, m/s^2/sqrt(s). A property beyond the range
-    `VALID` counts as the range's end.
+    A property beyond the range `VALID` counts as the range's end.
     """
-    near = {key: _clip(key, value) for key, value in _name(facts, bias_walk).items()}
+    near = {key: _clip(key, value) for key, value in _name(facts).items()}
     gnss = near["sensors.gnss.sigma"] / DEFAULT.gnss_sigma  # each relative to the default
     rate = near["sensors.gnss.rate"] / DEFAULT.gnss_rate
     imu = near["sensors.imu.sigma"] / DEFAULT.imu_sigma
@@ -106,16 +109,15 @@ def fill_in(plain: Plain) -> Plain:
     """
     if not any(_holds_auto(part.get(section)) for part in _parts(plain) for section in TUNED):
         return plain
-    facts, bias_walk, tilt = DEFAULT, 0.0, 0.0
+    facts, tilt = DEFAULT, 0.0
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))
     except InputError:
         pass  # typing the whole configuration names the fault
     else:
-        facts, bias_walk = take_facts(sensors), sensors.imu.bias_walk
-        tilt = find_tilt(plain, sensors.imu)
-        _warn(facts, bias_walk)
-    numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
+        facts, tilt = take_facts(sensors), find_tilt(plain, sensors.imu)
+        _warn(facts)
+    numbers = _compute(facts)
     numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter knows the truth
     filled = _fill(plain, numbers)
     if plain.get("tunings"):
@@ -132,7 +134,7 @@ def follow_sensors(config: C, sensors: SensorConfig) -> C:
     moved = changed(config, sensors=sensors)
     if config.tuning != "matched":
         return moved
-    before, after = _compute(config.sensors), _compute(sensors)
+    before, after = _compute(take_facts(config.sensors)), _compute(take_facts(sensors))
     sections = {
         name: _replace(getattr(config, name), before, after, f"{name}.")
         for name in TUNED
@@ -173,11 +175,12 @@ def take_facts(sensors: SensorConfig) -> Facts:
         delay=sensors.gnss.delay,
         imu_sigma=sensors.imu.sigma / deviations,
         imu_rate=sensors.imu.rate,
+        bias_walk=sensors.imu.bias_walk,
     )
 
 
-def _warn(facts: Facts, bias_walk: float) -> None:
-    for key, value in _name(facts, bias_walk).items():
+def _warn(facts: Facts) -> None:
+    for key, value in _name(facts).items():
         low, high = VALID[key]
         if not low <= value <= high:
             logger.warning(
@@ -187,14 +190,14 @@ def _warn(facts: Facts, bias_walk: float) -> None:
             )  # fmt: skip
 
 
-def _name(facts: Facts, bias_walk: float) -> dict[str, float]:
+def _name(facts: Facts) -> dict[str, float]:
     return {
         "sensors.gnss.sigma": facts.gnss_sigma,
         "sensors.gnss.rate": facts.gnss_rate,
         "sensors.gnss.delay": facts.delay,
         "sensors.imu.sigma": facts.imu_sigma,
         "sensors.imu.rate": facts.imu_rate,
-        "sensors.imu.bias_walk": bias_walk,
+        "sensors.imu.bias_walk": facts.bias_walk,
     }
 
 
@@ -203,10 +206,8 @@ def _clip(key: str, value: float) -> float:
     return min(max(value, low), high)
 
 
-def _compute(sensors: SensorConfig) -> Plain:
-    facts = take_facts(sensors)
-    numbers = compute_numbers(facts, sensors.imu.bias_walk)
-    return numbers | (RECORDED if facts == DEFAULT else {})
+def _compute(facts: Facts) -> Plain:
+    return compute_numbers(facts) | (RECORDED if facts == DEFAULT else {})
 
 
 def _replace(section: S, before: Plain, after: Plain, path: str) -> S:

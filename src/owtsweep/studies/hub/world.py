@@ -176,7 +176,7 @@ class SpectrumWorld(World):
         motion, period = config.motion, float(conditions["natural_period"])
         source: Source
         if config.structure is not None:
-            source = stretch_sea(config, period, config.normalise)
+            source = stretch_sea(config, period)
         else:
             periods = [period] if motion.peaks is None else [1.0 / peak for peak in motion.peaks]
             kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth

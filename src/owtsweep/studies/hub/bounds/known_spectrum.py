@@ -37,7 +37,10 @@ def bound_of_known_spectrum(
     Q[:states, :states] = variance * np.outer(shape.B, shape.B)
     Q[states, states] = max(sensors.bias_walk**2, LEAST_BIAS_DENSITY)
     model = discretise(Model(A, np.zeros((n, 1)), Q), sensors.step)
-    position, velocity, force = (_extend(row, n) for row in _rows(shape, sensors))
+    felt = shape.acceleration - sensors.lean * shape.position  # by an IMU that may lean
+    position, velocity, force = (
+        np.pad(row, (0, n - states)) for row in (shape.position, shape.velocity, felt)
+    )
     force[states] = 1.0
     oldest = np.zeros(n)
     oldest[-1] = 1.0
@@ -70,15 +73,6 @@ def bound_of_known_spectrum(
         P = model.A @ P @ model.A.T + model.Q
     mean = total / sensors.fix_interval
     return float(mean[0]), float(mean[1])
-
-
-def _rows(shape: ShapingFilter, sensors: Sensors) -> tuple[Array, Array, Array]:
-    """Return rows (states,) of position, velocity and what an IMU feels, which may lean."""
-    return shape.position, shape.velocity, shape.acceleration - sensors.lean * shape.position
-
-
-def _extend(row: Array, n: int) -> Array:
-    return np.concatenate([row, np.zeros(n - len(row))])
 
 
 def _update(P: Array, row: Array, variance: float) -> Array:

@@ -21,7 +21,7 @@ from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
 from owtsweep.results.verdicts import judge_exactly
-from owtsweep.statistics.contest import agree, contest, group_coinciding
+from owtsweep.statistics.contest import Contest, agree, contest, group_coinciding
 from owtsweep.studies.hub.conditions import JUDGED, criteria, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import ask, make_cube
@@ -77,38 +77,15 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
     return Expected(present, periods, tables[0].to_numpy(float), tables[1].to_numpy(float))
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """The best scheme and the runner-up in every cell; shape (periods, amplitudes).
-
-    best, runner_up: indices of schemes; `runner_up` is -1 where there is only one scheme.
-    mse_best, mse_runner_up: mean square errors.
-    distinguishable: whether they differ by more than `RESOLUTION`, relatively.
-    """
-
-    best: NDArray[np.int64]
-    runner_up: NDArray[np.int64]
-    mse_best: Array
-    mse_runner_up: Array
-    distinguishable: NDArray[np.bool_]
-
-
-def judge(values: Array) -> Verdict:
+def judge(values: Array) -> Contest:
     """Find the best scheme and the runner-up by mean square errors (schemes, periods, amplitudes).
 
     Schemes that agree up to rounding count as one, under the last of their names. The runner-up is
-    the best scheme that does not coincide with the winner (`statistics.contest`).
+    the best scheme that does not coincide with the winner (`statistics.contest`). The results have
+    the shape (periods, amplitudes).
     """
     result = contest(values.reshape(len(values), -1, 1))
-    clear = result.difference > RESOLUTION * result.mse_best
-    shape = values.shape[1:]
-    return Verdict(
-        result.best.reshape(shape),
-        result.runner_up.reshape(shape),
-        result.mse_best.reshape(shape),
-        result.mse_runner_up.reshape(shape),
-        clear.reshape(shape),
-    )
+    return Contest(*(each.reshape(values.shape[1:]) for each in result))
 
 
 def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:

@@ -101,7 +101,7 @@ def draw_map(
         values=values,
         best=np.where(winning >= 0, -1, verdict.best),
         excess=100.0 * (verdict.mse_runner_up / verdict.mse_best - 1.0),
-        distinguishable=verdict.distinguishable,
+        distinguishable=verdict.difference > answers.RESOLUTION * verdict.mse_best,
         resolution=answers.RESOLUTION,
         baseline=winning,
         lead=lead,

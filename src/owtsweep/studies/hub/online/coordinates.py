@@ -81,14 +81,9 @@ def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
 
 def check_sample(specific_force: Array, position: Array | None) -> None:
     """Raise `ValueError` if what `update` is given is not two numbers each."""
-    _check_pair("specific_force", specific_force)
-    if position is not None:
-        _check_pair("position", position)
-
-
-def _check_pair(name: str, value: Array) -> None:
-    if np.shape(value) != (2,):  # NumPy would use one number for both
-        raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
+    for name, value in (("specific_force", specific_force), ("position", position)):
+        if value is not None and np.shape(value) != (2,):  # NumPy would use one number for both
+            raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
 
 
 def check_samples(force: Array, positions: Array, first: int) -> NDArray[np.intp]:

@@ -90,8 +90,7 @@ def search(config: HubConfig, scheme: Scheme) -> Iterator[Trial]:
 def _list_starts(config: HubConfig, scheme: Scheme) -> list[Plain]:
     """Return the first trials: the tuning to begin with, and the rules of `tuning=matched`."""
     current = {key: attrgetter(key)(config) for key in find_space(config, scheme.name)}
-    numbers = compute_numbers(take_facts(config.sensors), config.sensors.imu.bias_walk)
-    return [current, {**STRUCTURE, **numbers}]
+    return [current, {**STRUCTURE, **compute_numbers(take_facts(config.sensors))}]
 
 
 def _make_training(config: HubConfig, scheme: Scheme) -> HubConfig:
