@@ -210,5 +210,5 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
         C[rows] = np.linalg.solve(
             following.transpose(0, 2, 1), numerator.transpose(0, 2, 1)
         ).transpose(0, 2, 1)
-    leaving(0, gains.rows, C, gains.K, window, gains.cycle, D)
+    leaving(C, gains.K, window, gains.cycle, D)
     return C, D

@@ -27,48 +27,28 @@ from owtsweep.estimation.square_root import Correction, kalman
 CHUNK = 4096
 
 
-@dataclass(frozen=True)
-class Lagged:
-    """A Kalman filter with a smoother of fixed lag.
+@dataclass(frozen=True, kw_only=True)
+class Lagged(Filter):
+    """A Kalman filter with a smoother of fixed lag; its gains are those of `rows` early steps.
 
-    filter: the filter, with gains of `rows` early steps; the last row stays for all later steps.
     transition, measuring: transition matrix F (N, N) and measurement matrix H (m, N).
     predicted: covariances of the predicted state in the early steps, shape (rows, N, N).
     weights: H' S^-1 in the early steps, shape (rows, N, m).
     lag: in steps.
     """
 
-    filter: Filter
     transition: Array
     measuring: Array
     predicted: Array
     weights: Array
     lag: int
 
-    @property
-    def F(self) -> Array:
-        """The filter's settled closed loop, shape (N, N)."""
-        return self.filter.F
-
-    @property
-    def K(self) -> Array:
-        """The filter's settled gain, shape (N, m)."""
-        return self.filter.K
-
-    @property
-    def settled(self) -> bool:
-        return self.filter.settled
-
-    @property
-    def radius(self) -> float:
-        return self.filter.radius
-
     def run(self, y: Array) -> Array:
         """Return estimates (steps, N) from measurements y (steps, m) up to `lag` steps after each.
 
         Raises InputError if y has another shape, or holds a value that is not finite.
         """
-        x = self.filter.run_states(y)
+        x = self.run_states(y)
         predicted = np.zeros_like(x)
         predicted[1:] = x[:-1] @ self.transition.T
         innovations = y - predicted @ self.measuring.T
@@ -81,7 +61,7 @@ class Lagged:
 
     def _correct_early(self, innovations: Array, early: int) -> Array:
         """Return the corrections of the first `early` steps, shape (early, N)."""
-        loops = self.transition - self.transition @ self.filter.early_K @ self.measuring
+        loops = self.transition - self.transition @ self.early_K @ self.measuring
         at = np.arange(early)
         z = np.zeros((early, len(self.transition), 1))
         for ahead in range(self.lag, -1, -1):
@@ -92,7 +72,7 @@ class Lagged:
 
     def _correct_settled(self, innovations: Array) -> Array:
         """Return corrections (steps, N) with settled weights; `innovations` go `lag` rows on."""
-        loop = (self.transition - self.transition @ self.filter.K @ self.measuring).T
+        loop = (self.transition - self.transition @ self.K @ self.measuring).T
         weight, weights = self.weights[-1], []
         for _ in range(self.lag + 1):
             weights.append(self.predicted[-1] @ weight)
@@ -125,9 +105,9 @@ def make_smoother(F: Array, H: Array, Q: Array, R: Array, P0: Array, lag: int) -
             made.append(correction)
             yield to_step(F, H, correction)
 
-    settled = settle(steps())
+    filter = settle(steps())
     return Lagged(
-        filter=settled,
+        **vars(filter),
         transition=F,
         measuring=H,
         predicted=np.array([step.predicted @ step.predicted.T for step in made]),

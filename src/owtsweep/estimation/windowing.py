@@ -53,8 +53,8 @@ def row_before(k, row, rows, cycle):
 
 
 @njit
-def leaving(first, stop, C, K, window, cycle, D):
-    """Compute D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} for k = first ... stop - 1.
+def leaving(C, K, window, cycle, D):
+    """Compute D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} for all rows k.
 
     D_k times the innovations of step k + window removes their contribution from the smoothed state
     of step k.
@@ -65,7 +65,7 @@ def leaving(first, stop, C, K, window, cycle, D):
     D: array of shape (rows, 4, 2), into whose row k the result D_k is written.
     """
     rows = C.shape[0]
-    for k in range(first, stop):
+    for k in range(rows):
         row = schedule_row(k + window, rows, cycle)
         slow = (K[row, 0, 0], K[row, 1, 0], K[row, 2, 0], K[row, 3, 0])
         fast = (K[row, 0, 1], K[row, 1, 1], K[row, 2, 1], K[row, 3, 1])

@@ -12,6 +12,7 @@ import numpy as np
 
 from owtsweep.compiled import njit, part
 from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, riccati_step
+from owtsweep.estimation.weighing import Weighing, weigh
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.kernels.chain import (
     add_correction,
@@ -23,7 +24,7 @@ from owtsweep.studies.hub.kernels.chain import (
     predict,
     predict_and_correct,
 )
-from owtsweep.studies.hub.kernels.online_layout import BEYOND, GATE, PICK, PLAIN, ROW, STEP
+from owtsweep.studies.hub.kernels.online_layout import BEYOND, HUBER, PICK, PLAIN, ROW, STEP
 from owtsweep.studies.hub.kernels.window import (
     after_filter,
     distance,
@@ -114,7 +115,9 @@ def filter_step(fresh, f, m):
         for axis in range(2):
             m.predicted[0, axis] = now.s[axis]
         judged = predicted_variance(f, m) + f.r_slow
-        weight = judge(distance(m.given[0], m.predicted, judged), f, m.counter)
+        far = distance(m.given[0], m.predicted, judged)
+        rule = Weighing(f.fix_limit, f.fix_rule == HUBER, f.fix_patience)
+        weight = weigh(far, rule, m.counter[BEYOND : BEYOND + 1])
         taken = weight > 0.0
         if taken:
             r_slow += (1.0 / weight - 1.0) * judged  # the innovation's becomes judged / weight
@@ -139,18 +142,6 @@ def predicted_variance(f, m):
         for j in range(4):
             total += f.A[0, i] * m.P[i, j] * f.A[0, j]
     return total
-
-
-@njit
-def judge(far, settings, counter):
-    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away."""
-    if far <= settings.fix_limit:
-        counter[BEYOND] = 0
-        return 1.0
-    counter[BEYOND] += 1
-    if settings.fix_rule == GATE:
-        return 0.0 if counter[BEYOND] <= settings.fix_patience else 1.0
-    return settings.fix_limit / far
 
 
 @njit
