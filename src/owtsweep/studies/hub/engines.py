@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures.drawings import Drawing, save_figure
@@ -66,6 +65,8 @@ from owtsweep.sweep.study import Block, Engine, Look, Square
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
+    from owtsweep.comparing.comparison import Aspects, Candidate
 
 
 logger = logging.getLogger(__name__)
@@ -305,6 +306,8 @@ ENGINES: dict[str, Callable[[World], Engine]] = {
 
 def describe_run(run: Candidate) -> Aspects:
     """Describe a run of the hub study, and what two runs must share so that records are paired."""
+    from owtsweep.comparing.comparison import Aspects
+
     config: HubConfig = run.config
     window, world = config.measures.window, find_world(config)
     # sigma, delay, rate, bias and tuning change neither the motion's phases nor the draws of noise

@@ -136,7 +136,7 @@ def make_records_at(
     config: HubConfig, conditions: Mapping[str, Value], replicates: Sequence[int]
 ) -> Records:
     """Return the records under all conditions but the amplitude, made at first use."""
-    world = find_world(config)
+    world, angle = find_world(config), np.deg2rad(config.wave_direction)
     source = world.make_source(config, conditions)
     return Records(
         config=config,
@@ -147,7 +147,7 @@ def make_records_at(
         source=source,
         sensors=world.fit_sensors(source, sensing.sensors(config.sensors), config),
         replicates=tuple(replicates),
-        direction=_direction(config),
+        direction=np.array([np.cos(angle), np.sin(angle)]),
     )
 
 
@@ -160,11 +160,6 @@ def know_sensors(config: HubConfig, conditions: Mapping[str, Value]) -> Sensors:
     world = find_world(config)
     source = world.make_source(config, conditions)
     return world.fit_sensors(source, sensing.sensors(config.sensors), config)
-
-
-def _direction(config: HubConfig) -> Array:
-    angle = np.deg2rad(config.wave_direction)
-    return np.array([np.cos(angle), np.sin(angle)])
 
 
 def count_records_per_block(config: HubConfig) -> int:
