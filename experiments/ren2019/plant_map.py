@@ -20,8 +20,8 @@ import owtsweep
 from experiments.command import read_words, write
 from experiments.ren2019.two_maps import draw_map
 from owtsweep.figures import style
-from owtsweep.figures.margin import Shades, add_legend
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.best_scheme_map import list_shades
+from owtsweep.figures.margin import add_legend
 from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_draws
@@ -78,9 +78,7 @@ def draw(runs: Mapping[tuple[str, str], Run]) -> Figure:
             title = "Eq. (1), as in figure 18" if motion == DRAWN[0] else f"plant, Hs 2 m, {motion}"
             axes.set_title(f"{title}; tuning: {tuning}", loc="left")
     names = scheme_names(cast("HubConfig", runs[DRAWN[0], TUNINGS[0]].config))
-    handles = [
-        Shades(facecolor=style_of(name, names).color, label=style.label_of(name)) for name in names
-    ]
+    handles = list_shades(names, names)
     add_legend(figure, handles, columns=len(handles))
     told = describe_draws(cast("HubConfig", runs[DRAWN[0], TUNINGS[0]].config))
     style.footnote(figure, " ".join(dict.fromkeys([f"{told}.", *notes])))

@@ -25,9 +25,8 @@ from matplotlib.figure import Figure
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.best_scheme_map import Crossing, draw_cells
-from owtsweep.figures.margin import Shades, add_legend
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.best_scheme_map import Crossing, draw_cells, list_shades
+from owtsweep.figures.margin import add_legend
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
@@ -93,10 +92,7 @@ def draw(paper: Run, matched: Run) -> Figure:
         lows, highs = zip(*(axes.get_ylim() for axes in panels[1]), strict=True)
         for axes in panels[1]:
             axes.set_ylim(min(lows), max(highs))
-        handles: list[Any] = [
-            Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
-            for name in names
-        ]
+        handles = list_shades(names, names)
         handles += panels[0, 0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
         add_legend(figure, handles, columns=len(handles))
         style.footnote(figure, " ".join([*notes, *_differences(configs), *_explanations(configs)]))

@@ -7,7 +7,7 @@ from looks import LOOKS
 
 from owtsweep.errors import InputError
 from owtsweep.figures import palette
-from owtsweep.figures.palette import SchemeStyle, relative_luminance, style_of
+from owtsweep.figures.palette import SchemeStyle, relative_luminance, style_of, text_color_on
 
 SCHEMES = list(LOOKS)
 
@@ -20,7 +20,7 @@ def test_every_scheme_has_a_look_of_its_own():
     assert len({look.marker for look in looks[:11]}) == 11
     assert len({look.line for look in paper}) >= 3
     for look in looks:
-        assert contrast(look.color, look.text_color) >= 4.5
+        assert contrast(look.color, text_color_on(look.color)) >= 4.5
     assert style_of("user0", ["user0", "MKF"]) == style_of("user0", names)
     with pytest.raises(InputError, match=r"^scheme: 'nobody' is none of"):
         style_of("nobody", SCHEMES)

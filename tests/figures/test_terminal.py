@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.measure import Measurement
 
 from owtsweep.figures import terminal
-from owtsweep.figures.palette import relative_luminance, style_of
+from owtsweep.figures.palette import relative_luminance, style_of, text_color_on
 from owtsweep.results.conditions import Condition
 
 PERIODS, AMPLITUDES = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0], [0.05, 0.7, 10.0]
@@ -143,7 +143,7 @@ def test_text_is_readable_on_the_256_colours():
         look = style_of(name, SCHEMES)
         fill, text = (
             Color.parse(color).downgrade(ColorSystem.EIGHT_BIT).get_truecolor().hex
-            for color in (look.color, look.text_color)
+            for color in (look.color, text_color_on(look.color))
         )
         low, high = sorted(map(relative_luminance, (fill, text)))
         assert (high + 0.05) / (low + 0.05) >= 4.5, name

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -14,9 +13,8 @@ from matplotlib.lines import Line2D
 from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
-from owtsweep.figures.margin import HANDLERS, Shades
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.best_scheme_map import draw_cells, explain_marks, list_shades
+from owtsweep.figures.margin import HANDLERS
 from owtsweep.figures.plane import Plane
 
 #: Greatest number of panels in a figure; number of panels in a row if the runs differ in one key.
@@ -97,10 +95,7 @@ def draw(
             lowest = max(row for row in range(rows) if panels[row][column] is not None)
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
-        handles: list[Artist] = [
-            Shades(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
-            for name in shared.schemes
-        ]
+        handles = list_shades(shared.schemes, shared.schemes)
         handles += explain_marks(hatched=hatched, holes=holes)
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -26,12 +27,12 @@ from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import show_error
 
-__all__ = ["draw"]
-
 HATCH = "////"
 #: Opacity of the hatch, which has the colour of text on the cell's fill.
 HATCH_OPACITY = 0.35
 NO_RESULT = "#E4E4E4"
+#: What the second name in a cell is.
+RUNNER_UP = "Second name in a cell: the runner-up, and by how much its error is larger."
 #: Lengths are in inches. A cell lower than `ONE_LINE` has its labels on one line. A map of more
 #: than `MOST_LABELS` cells has no labels, and its cells are drawn as pixels, because shapes would
 #: make the SVG too large.
@@ -265,6 +266,14 @@ def _make_legend(
     return handles + explain_marks(hatched=hatched, holes=holes)
 
 
+def list_shades(names: Sequence[str], schemes: Sequence[str]) -> list[Artist]:
+    """Return the entries of a map's legend for `names`, in their styles among all `schemes`."""
+    return [
+        Shades(facecolor=style_of(name, schemes).color, label=style.label_of(name))
+        for name in names
+    ]
+
+
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
     """Return entries of a map's legend for hatched cells and for cells without a result."""
     marks = []
@@ -283,29 +292,17 @@ def _explain(
     *,
     labelled: bool,
 ) -> str:
-    sentences = []
-    if labelled and any(row["runner_up"] for row in rows):
-        sentences.append(
-            "Second name in a cell: the runner-up, and by how much its error is larger."
-        )
-    if any(row["verdict"] == "tie" for row in rows):
-        sentences.append(
-            "=: a tie; the named scheme is the simplest of several whose errors differ by less "
-            "than the margin."
-        )
-    if any(row["verdict"] == "open" for row in rows):
-        looked = any(row.get("look", 0) > 0 for row in rows)
-        test = (
-            "paired differences of all looks" if looked else "paired difference, Holm's correction"
-        )
-        sentences.append(
-            f"Hatched, open: the data do not tell best and runner-up apart ({test}; 95 % over all "
-            "cells)."
-        )
-    sentences += style.explain_coinciding(groups)
-    if failures:
-        sentences.append(
-            f"{failures} case{'s' if failures != 1 else ''} failed; schemes are compared on the"
-            " records that all of them finished."
-        )
-    return " ".join(sentences)
+    verdicts = {row["verdict"] for row in rows}
+    looked = any(row.get("look", 0) > 0 for row in rows)
+    test = "paired differences of all looks" if looked else "paired difference, Holm's correction"
+    holds = {
+        RUNNER_UP: labelled and any(row["runner_up"] for row in rows),
+        "=: a tie; the named scheme is the simplest of several whose errors differ by less than the"
+        " margin.": "tie" in verdicts,
+        f"Hatched, open: the data do not tell best and runner-up apart ({test}; 95 % over all "
+        "cells).": "open" in verdicts,
+        **dict.fromkeys(style.explain_coinciding(groups), True),
+        f"{failures} case{'s' if failures != 1 else ''} failed; schemes are compared on the"
+        " records that all of them finished.": failures > 0,
+    }
+    return " ".join(sentence for sentence, is_so in holds.items() if is_so)

@@ -13,8 +13,6 @@ from typing import Literal
 
 from owtsweep.errors import InputError
 
-__all__ = ["SchemeStyle", "style_of"]
-
 LineStyle = Literal["-"] | tuple[int, tuple[int, ...]]
 
 
@@ -25,11 +23,6 @@ class SchemeStyle:
     color: str
     marker: str
     line: LineStyle
-
-    @property
-    def text_color(self) -> str:
-        """The colour of text on `color`: "#000000" (black) or "#ffffff" (white)."""
-        return text_color_on(self.color)
 
 
 #: Scheme -> the style that a study has reserved for it.
@@ -71,7 +64,9 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
 
 
 def text_color_on(color: str) -> str:
-    """Return black or white for text on the fill "#RRGGBB", whichever has more contrast (WCAG 2).
+    """Return black or white ("#000000", "#ffffff") for text on the fill "#RRGGBB".
+
+    It is the one with more contrast (WCAG 2).
 
     The ratio is at least 4.58 on any fill.
     """

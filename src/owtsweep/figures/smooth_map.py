@@ -15,7 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
 from owtsweep.figures.margin import Shades, add_legend
-from owtsweep.figures.palette import SchemeStyle, style_of
+from owtsweep.figures.palette import SchemeStyle, style_of, text_color_on
 from owtsweep.results.conditions import Condition
 
 #: Contour levels: by how many per cent the runner-up's MSE is larger than the best scheme's.
@@ -151,8 +151,8 @@ def _name_region(
     if region.mean() > LEAST_REGION:
         i, j = _find_middle(region)
         axes.text(
-            field.columns[i], field.lines[j], name, color=look.text_color, ha="center",
-            va="center", fontsize=12, fontweight="bold", zorder=zorder,
+            field.columns[i], field.lines[j], name, color=text_color_on(look.color),
+            ha="center", va="center", fontsize=12, fontweight="bold", zorder=zorder,
             bbox={"facecolor": look.color, "edgecolor": "none", "pad": 2.0},
         )  # fmt: skip
 

@@ -10,16 +10,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Polygon
+from matplotlib.patches import Polygon
 from matplotlib.patheffects import Normal, Stroke
 
 from owtsweep.arrays import Array
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
-from owtsweep.figures.margin import HANDLERS, Shades
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.best_scheme_map import ONE_LINE, RUNNER_UP, draw_cells, list_shades
+from owtsweep.figures.margin import HANDLERS
 from owtsweep.figures.plane import Plane
 from owtsweep.results.answer import tell_counts
 from owtsweep.results.conditions import Value
@@ -97,11 +96,7 @@ def draw(
             _outline(axes, planes[tuning], region)
         axes.set_title(f"Tuning {tuning}\n{sentence}", loc="left", fontsize=10)
     named = {str(name) for cells in shown.values() for name in cells["best"]}
-    handles: list[Patch] = [
-        Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
-        for name in names
-        if name in named
-    ]
+    handles = list_shades([name for name in names if name in named], names)
     if region is not None:
         handles.append(Polygon([(0.0, 0.0)], label=region.label, **_OUTLINE))
     figure.legend(
@@ -147,7 +142,6 @@ def _outline(axes: Axes, plane: Plane, region: Region) -> None:
     axes.add_patch(Polygon(corners, zorder=6, **_OUTLINE))
 
 
-RUNNER_UP = "Second name in a cell: the runner-up, and by how much its error is larger."
 EXPLANATION = (
     f"Colour: the scheme of least error in the cell. {margin.EXPLANATION} Hatched: the records do "
     "not show that the best scheme is better than the next best (95 % over one map). All tunings "

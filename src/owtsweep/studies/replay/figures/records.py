@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pandas as pd
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -14,8 +11,8 @@ from matplotlib.patches import Patch, Rectangle
 
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
-from owtsweep.figures.margin import Shades, add_legend
+from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY, list_shades
+from owtsweep.figures.margin import add_legend
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN
@@ -69,11 +66,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             f"{window}, tuning: {config.tuning}",
             loc="left",
         )
-        best = sorted(set(shown["best"]))
-        handles: list[Artist] = [
-            Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
-            for name in best
-        ]
+        handles = list_shades(sorted(set(shown["best"])), names)
         if not all(shown["matters"]):
             handles.append(
                 Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="does not matter")
@@ -119,11 +112,10 @@ def _choose_coordinates(
 
 def _measure_cell(values: pd.Series[float]) -> float:
     """Return the width of the marks along one axis of the map, for the records' values on it."""
-    coordinates = sorted({float(value) for value in values})
+    coordinates = np.unique(values)
     if len(coordinates) < 2:
-        return max(abs(coordinates[0]) * 0.2, 1e-3)
-    steps = [b - a for a, b in itertools.pairwise(coordinates)]
-    return max(min(steps), (coordinates[-1] - coordinates[0]) / 12.0)
+        return max(abs(float(coordinates[0])) * 0.2, 1e-3)
+    return float(max(np.diff(coordinates).min(), np.ptp(coordinates) / 12.0))
 
 
 def _name_schemes(best: str, runner_up: str, margin: float, recommended: str) -> str:
