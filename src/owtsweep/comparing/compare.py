@@ -18,8 +18,6 @@ from owtsweep.errors import InputError, require
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["compare"]
-
 
 def compare(
     comparison: Comparison,

@@ -35,33 +35,21 @@ def list_maps(
     """
     if SUMMARY not in tables or tables[SUMMARY].empty:
         return {}
-    return {
-        f"regret_{kind}": partial(
-            _draw, tables[SUMMARY], kind, schemes, conditions, tuning, records
+
+    def draw(kind: str) -> Figure:
+        from owtsweep.figures import best_scheme_map
+
+        table = make_map_table(tables[SUMMARY], conditions, kind)
+        return best_scheme_map.draw(
+            table,
+            schemes,
+            conditions,
+            criterion=table["criterion"][0],
+            window=table["window"][0],
+            tuning=tuning,
+            quantity=f"{TITLES[kind]} {table['criterion'][0]}",
+            records=records,
+            notes=[NOTE],
         )
-        for kind in TITLES
-    }
 
-
-def _draw(
-    summary: pd.DataFrame,
-    kind: str,
-    schemes: Sequence[str],
-    conditions: Sequence[Condition],
-    tuning: str,
-    records: str,
-) -> Figure:
-    from owtsweep.figures import best_scheme_map
-
-    table = make_map_table(summary, conditions, kind)
-    return best_scheme_map.draw(
-        table,
-        schemes,
-        conditions,
-        criterion=table["criterion"][0],
-        window=table["window"][0],
-        tuning=tuning,
-        quantity=f"{TITLES[kind]} {table['criterion'][0]}",
-        records=records,
-        notes=[NOTE],
-    )
+    return {f"regret_{kind}": partial(draw, kind) for kind in TITLES}
