@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise, product
 from string import Template
 
@@ -124,10 +125,9 @@ class Task:
 
     def transform(self, values: Array) -> Array:
         """Return what the claim compares of values."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            for name in self.part.of:
-                values = OF[name](values)
-        return np.asarray(values)
+        for name in self.part.of:
+            values = OF[name](values)
+        return values
 
     def tell(self, cell: Cell, other: Cell | None = None) -> str:
         """Tell a cell, or a pair of cells, in words."""
@@ -157,48 +157,26 @@ class Task:
 
 
 def _bound(task: Task) -> list[Compared]:
-    return _decide_all(task, ((task.tell(c), task.table.find([c])) for c in task.cells), _first)
+    places = ((task.tell(cell), task.table.find([cell])) for cell in task.cells)
+    return _decide_all(task, places, lambda values: values)
 
 
-def _ratio(task: Task) -> list[Compared]:
-    return _decide_all(task, _find_pairs(task), _divide)
-
-
-def _difference(task: Task) -> list[Compared]:
-    return _decide_all(task, _find_pairs(task), _subtract)
-
-
-def _find_pairs(task: Task) -> Iterator[tuple[str, list[Array] | None]]:
-    for cell, other in task.pair(task.cells):
-        yield task.tell(cell, other), task.table.find([cell, other])
-
-
-def _first(samples: Sequence[Array]) -> Array:
-    return samples[0]
-
-
-def _divide(samples: Sequence[Array]) -> Array:
-    a, b = samples
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(a / b)
-
-
-def _subtract(samples: Sequence[Array]) -> Array:
-    a, b = samples
-    return a - b
+def _compare_pairs(task: Task, combine: Callable[[Array, Array], Array]) -> list[Compared]:
+    pairs = task.pair(task.cells)
+    places = ((task.tell(*pair), task.table.find(pair)) for pair in pairs)
+    return _decide_all(task, places, combine)
 
 
 def _decide_all(
-    task: Task,
-    places: Iterator[tuple[str, list[Array] | None]],
-    combine: Callable[[Sequence[Array]], Array],
+    task: Task, places: Iterator[tuple[str, list[Array] | None]], combine: Callable[..., Array]
 ) -> list[Compared]:
     """Decide on the mean of one value per record at each place; None without finite values."""
     part = task.part
-    signed = combine is _subtract and part.of == ("identity",)
+    signed = combine is np.subtract and part.of == ("identity",)
     found: list[Compared] = []
     for name, samples in places:
-        values = None if samples is None else task.transform(combine(samples))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = None if samples is None else task.transform(combine(*samples))
         if values is None or not np.all(np.isfinite(values)):
             found.append((name, None))
         elif part.exact:
@@ -264,14 +242,6 @@ def _nearly_equal(task: Task) -> Iterator[Compared]:
         yield name, task.ratio(name, found[order[0]], found[order[-1]])
 
 
-def _boundary(task: Task) -> Iterator[Compared]:
-    return _compare_boundaries(task, grows=False)
-
-
-def _growth(task: Task) -> Iterator[Compared]:
-    return _compare_boundaries(task, grows=True)
-
-
 def _compare_boundaries(task: Task, *, grows: bool) -> Iterator[Compared]:
     run = task.table.run
     if run is None:
@@ -307,8 +277,12 @@ def find_best(values: Sequence[Array], *, other_than: int | None = None) -> int 
 
 
 KINDS: dict[str, Callable[[Task], Sequence[Compared] | Iterator[Compared]]] = {
-    "bound": _bound, "ratio": _ratio, "spread": _ratio, "difference": _difference,
+    "bound": _bound,
+    "ratio": partial(_compare_pairs, combine=np.divide),
+    "spread": partial(_compare_pairs, combine=np.divide),
+    "difference": partial(_compare_pairs, combine=np.subtract),
     "ratio_of_means": _ratio_of_means, "against_best": _against_best,
-    "nearly_equal": _nearly_equal, "monotone": _monotone, "boundary": _boundary,
-    "growth": _growth,
+    "nearly_equal": _nearly_equal, "monotone": _monotone,
+    "boundary": partial(_compare_boundaries, grows=False),
+    "growth": partial(_compare_boundaries, grows=True),
 }  # fmt: skip
