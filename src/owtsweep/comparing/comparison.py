@@ -12,14 +12,13 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from owtsweep.config import AnyConfig
 from owtsweep.errors import printable
 from owtsweep.results.conditions import Condition, Grid
-
-__all__ = ["Aspects"]
 
 #: Sections and keys that do not count as swept: they say on which grid, where and how to run.
 NOT_SWEPT = frozenset(
@@ -32,10 +31,7 @@ FIRST = "first run"
 
 def show(value: object) -> str:
     """Return a configuration value as a user would type it in an override."""
-    if isinstance(value, float):
-        return f"{value:.10g}"
-    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
-    text = printable(text)
+    text = f"{value:.10g}" if isinstance(value, float) else str(write(value))
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 
@@ -57,14 +53,10 @@ def rank_values(values: Sequence[object]) -> list[int]:
 
     If all are numbers, they are ordered by size, otherwise by their first appearance.
     """
-    distinct = {identify(value): value for value in values}
-    numbers = {
-        name: value
-        for name, value in distinct.items()
-        if isinstance(value, int | float) and not isinstance(value, bool)
-    }
-    all_numbers = len(numbers) == len(distinct)
-    axis = sorted(numbers, key=lambda name: numbers[name]) if all_numbers else list(distinct)
+    distinct: dict[str, Any] = {identify(value): value for value in values}
+    axis = list(distinct)
+    if all(isinstance(write(value), int | float) for value in values):
+        axis.sort(key=lambda name: distinct[name])
     return [axis.index(identify(value)) for value in values]
 
 
