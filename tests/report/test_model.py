@@ -9,7 +9,7 @@ import pytest
 from pages import PERIOD, SQUARE, make_contents, run_script
 
 from owtsweep.report.data import MOST_CELLS, make_part
-from owtsweep.report.statistics import gather_records, list_looks
+from owtsweep.report.statistics import find_looks, gather_records
 from owtsweep.results.superposition import superpose
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 
@@ -89,7 +89,7 @@ def test_schemes_that_nearly_coincide_keep_their_small_difference():
     contents = make_contents({"A": 32, "B": 32, "NONE": 8})
     products = contents.cube.products
     products[:, 1] = products[:, 0] * (1.0 + 1e-7 * np.arange(32))  # far below 32 bits of squares
-    (looks, *_) = list_looks(gather_records(contents.cube, "position", SQUARE, "settled"))
+    looks = find_looks(gather_records(contents.cube, "position", SQUARE, "settled")[0])
     look = looks[-1]
     weights = np.array([0.01, 0.2, 1.0])
     apart = np.float32(look.factor) @ np.concatenate([weights, -weights])
@@ -118,7 +118,7 @@ def test_one_record_has_no_interval_and_a_large_map_means_alone():
     assert lines[0]["error"] > 0.0
     assert MOST_CELLS == 1000
     values = gather_records(contents.cube, "position", SQUARE, "full")
-    (looks, *_) = list_looks(values, means_only=True)
+    looks = find_looks(values[0], means_only=True)
     assert [len(look.factor) for look in looks] == [0]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.report.static_map import choose_axes, get_grid
-from owtsweep.report.statistics import MOST_RECORDS, Look, gather_records, is_superposed, list_looks
+from owtsweep.report.statistics import MOST_RECORDS, Look, find_looks, gather_records, is_superposed
 from owtsweep.results.contents import Contents
 from owtsweep.statistics.inference import t_quantile
 
@@ -72,8 +72,8 @@ def make_part(
     looks = {
         name: {
             window: [
-                [_pack(look, floats) for look in of_cell]
-                for of_cell in list_looks(values, means_only=means_only)
+                [_pack(look, floats) for look in find_looks(of_cell, means_only=means_only)]
+                for of_cell in values
             ]
             for window, values in by_window.items()
         }
@@ -139,13 +139,14 @@ def _pack_records(
     gathered: Mapping[str, Mapping[str, Array]], floats: _Floats
 ) -> dict[str, dict[str, list[int]]]:
     """Return criterion -> window -> place of the first number, then the shape of the numbers."""
-    found: dict[str, dict[str, list[int]]] = {}
-    for name, by_window in gathered.items():
-        found[name] = {}
-        for window, values in by_window.items():
-            shown = values[..., :MOST_RECORDS]
-            found[name][window] = [floats.add(shown), *shown.shape]
-    return found
+
+    def pack(values: Array) -> list[int]:
+        return [floats.add(values), *values.shape]
+
+    return {
+        name: {window: pack(values[..., :MOST_RECORDS]) for window, values in by_window.items()}
+        for name, by_window in gathered.items()
+    }
 
 
 def _pack(look: Look, floats: _Floats) -> tuple[int, list[int], int, int]:

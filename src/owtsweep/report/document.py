@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from hashlib import sha256
 from html import escape
@@ -90,13 +90,15 @@ def hide_places(text: str) -> str:
 
 def make_table(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table of texts as HTML."""
-    head = "".join(f'<th scope="col">{clean(text)}</th>' for text in header)
     lines = ("".join(f"<td>{clean(text)}</td>" for text in row) for row in rows)
+    return frame_table(f"<caption>{clean(caption)}</caption>", header, lines)
+
+
+def frame_table(caption: str, header: Sequence[str], lines: Iterable[str]) -> str:
+    """Return a table as HTML; `caption` and the cells of the `lines` are HTML already."""
+    head = "".join(f'<th scope="col">{clean(text)}</th>' for text in header)
     body = "\n".join(f"<tr>{line}</tr>" for line in lines)
-    return (
-        f"<table><caption>{clean(caption)}</caption><thead><tr>{head}</tr></thead>"
-        f"<tbody>\n{body}\n</tbody></table>"
-    )
+    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
 
 
 def make_picture(png: bytes, description: str) -> str:

@@ -167,16 +167,10 @@ def _tabulate_cells(caption: str, contents: Contents, criterion: str) -> str:
     judged = contents.criteria[criterion]
     unit = f" ({judged.unit})" if judged.unit else ""
     cells = contents.cells[contents.cells["criterion"] == criterion]
-    header = [condition.title for condition in contents.conditions]
-    header += [
-        "verdict",
-        "best",
-        f"error{unit}",
-        "95 % from",
-        "to",
-        "next best",
-        f"its error{unit}",
-    ]
+    header = [
+        *(condition.title for condition in contents.conditions),
+        "verdict", "best", f"error{unit}", "95 % from", "to", "next best", f"its error{unit}",
+    ]  # fmt: skip
     rows = [
         [
             *(show_value(row[condition.name]) for condition in contents.conditions),

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 import pandas as pd
 
-from owtsweep.report.document import clean, make_document, make_picture
+from owtsweep.report.document import clean, frame_table, make_document, make_picture
 from owtsweep.report.run_page import scroll, tabulate, write_section
 
 
@@ -20,16 +20,13 @@ def make_multirun_page(
     rows: the texts of each run's line; the first one becomes the link.
     links: Paths from the page to those of the runs; "" for a run without a page.
     """
-    head = "".join(f'<th scope="col">{clean(text)}</th>' for text in header)
     lines = []
     for row, link in zip(rows, links, strict=True):
         first, *others = (clean(text) for text in row)
         named = f'<a href="{quote(link)}">{first}</a>' if link else first
         cells = "".join(f"<td>{text}</td>" for text in others)
-        lines.append(f'<tr><th scope="row">{named}</th>{cells}</tr>')
-    table = (
-        f"<table><thead><tr>{head}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table>"
-    )
+        lines.append(f'<th scope="row">{named}</th>{cells}')
+    table = frame_table("", header, lines)
     note = "Each run is decided for itself: at 95 % over its own map, not over all maps together."
     body = (
         f"<header><h1>{clean(title)}</h1></header>\n<main>"

@@ -6,7 +6,6 @@ number of records from these alone. Their size does not grow with the number of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -62,17 +61,12 @@ def gather_records(cube: Cube, name: str, criterion: Criterion, window: str) -> 
     return cells.reshape(-1, *cells.shape[-3:])
 
 
-def list_looks(values: Array, *, means_only: bool = False) -> Iterator[list[Look]]:
-    """Yield the looks of each cell; `values` are those of `gather_records`.
+def find_looks(values: Array, *, means_only: bool = False) -> list[Look]:
+    """Return the looks of a cell.
 
-    means_only: whether each cell has a single look without covariances.
+    values: those of one cell in `gather_records`, shape (schemes, 1 or 3, records).
+    means_only: whether there is a single look, without covariances.
     """
-    for of_cell in values:
-        yield _find_looks(of_cell, means_only)
-
-
-def _find_looks(values: Array, means_only: bool) -> list[Look]:
-    """Return the looks of a cell; `values` has the shape (schemes, 1 or 3, records)."""
     there: NDArray[np.bool_] = np.all(np.isfinite(values), axis=1)
     most = int(np.flatnonzero(np.any(there, axis=0)).max(initial=-1)) + 1
     counts = [count for count in LOOKS if count < most] + [most] * (most > 0)
