@@ -235,21 +235,16 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
     """List the figures that need the configuration alone: record, spectrum, histories, errors."""
-    found = _record(config) | _time_histories(config)
-    if find_world(config).has_spectrum:
-        from owtsweep.studies.hub.figures import error_spectra
+    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum
 
-        found["error_spectra"] = partial(error_spectra.draw, config, coinciding=coinciding)
-    return found
-
-
-def _record(config: HubConfig) -> dict[str, Draw]:
-    from owtsweep.studies.hub.figures import record_and_spectrum
-
-    return {
+    found: dict[str, Draw] = {
         "figure_03_record": partial(record_and_spectrum.draw_record, config),
         "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
+        **_time_histories(config),
     }
+    if find_world(config).has_spectrum:
+        found["error_spectra"] = partial(error_spectra.draw, config, coinciding=coinciding)
+    return found
 
 
 def _time_histories(config: HubConfig) -> dict[str, Draw]:
