@@ -43,9 +43,7 @@ def measure(
     records = make_records(config, 4.0, [0])
     sensors = records.sensors
     moved = observe(records.motion[0], records.direction, sensors)
-    noise = records.noise[0]
-    force = moved.specific_force + noise.specific_force
-    fixes = moved.fixes + noise.fixes
+    force, fixes = moved.add_noise(1.0, records.noise[0])
     M = sensors.fix_interval
 
     rows = []

@@ -28,7 +28,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.sensors import Measured, observe
+from owtsweep.studies.hub.sensors import observe
 
 AMPLITUDES = [0.05, 0.2, 1.0, 10.0]
 #: The series of a motion.
@@ -82,10 +82,7 @@ def make_seas(config, count):
 def judge(scheme, config, records, motion, noise, amplitude):
     """Return the settled MSE of position, and NEES per degree of freedom, of one record."""
     sensors = records.sensors
-    seen = observe(motion, records.direction, sensors)
-    whole = Measured(
-        amplitude * seen.specific_force + noise.specific_force, amplitude * seen.fixes + noise.fixes
-    )
+    whole = observe(motion, records.direction, sensors).add_noise(amplitude, noise)
     estimate = run_estimator(scheme.stream(Known(sensors, config)), *whole, sensors.fix_interval)
     along = (motion.position, motion.velocity)
     truth = np.concatenate([np.outer(each, records.direction) for each in along], axis=1)

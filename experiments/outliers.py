@@ -23,7 +23,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.sensors import Measured, observe
+from owtsweep.studies.hub.sensors import observe
 
 PERIOD = 4.0  # s
 RECORDS = 10
@@ -46,11 +46,7 @@ def run_ways(truth, faults):
     rows = []
     for record, amplitude in product(range(RECORDS), AMPLITUDES):
         motion, noise = records.motion[record], records.noise[record]
-        seen = observe(motion, records.direction, known)
-        data = Measured(
-            amplitude * seen.specific_force + noise.specific_force,
-            amplitude * seen.fixes + noise.fixes,  # NaN where a fix is lost
-        )
+        data = observe(motion, records.direction, known).add_noise(amplitude, noise)
         position = amplitude * np.outer(motion.position, records.direction)
         for way in WAYS:
             estimator = resolve(way.split()[0]).stream(Known(known, configs[way]))

@@ -69,11 +69,7 @@ def from_mapping(mapping: object) -> Config:
 def whole_series(records: Records, amplitude: float, index: int = 0) -> Measured:
     """What the sensors report of one replicate, specific force in the IMU's frame."""
     signal = observe(records.motion[index], records.direction, records.sensors)
-    noise = records.noise[index]
-    return Measured(
-        amplitude * signal.specific_force + noise.specific_force,
-        amplitude * signal.fixes + noise.fixes,
-    )
+    return signal.add_noise(amplitude, records.noise[index])
 
 
 def measured(config: HubConfig, amplitude: float = 0.7) -> tuple[Measured, Sensors]:

@@ -85,9 +85,7 @@ def _inform(config: HubConfig, cell: Cell, record: Record) -> dict[str, Part[Kno
     known = Known(know_sensors(config, cell), config, find_period(cell), amplitude)
     if amplitude is None:
         return {"motion": Part(known, motion), "noise": Part(known, noise)}
-    force = amplitude * motion.specific_force + noise.specific_force
-    fixes = amplitude * motion.fixes + noise.fixes
-    return {"whole": Part(known, Measured(force, fixes))}
+    return {"whole": Part(known, motion.add_noise(amplitude, noise))}
 
 
 def _score(

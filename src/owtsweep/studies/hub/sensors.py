@@ -84,6 +84,13 @@ class Measured(NamedTuple):
     specific_force: Array
     fixes: Array
 
+    def add_noise(self, amplitude: float, noise: Measured) -> Measured:
+        """Return what sensors say of this motion times an amplitude."""
+        return Measured(
+            amplitude * self.specific_force + noise.specific_force,
+            amplitude * self.fixes + noise.fixes,
+        )
+
 
 def sensors(config: SensorConfig) -> Sensors:
     """Compute from the configuration what an estimator may know about the sensors.
