@@ -10,7 +10,6 @@ Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications, sec
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
@@ -19,22 +18,17 @@ import pandas as pd
 from experiments.ren2019.evidence import Cell, Evidence
 from owtsweep.verdicts.inference import NOTHING, UNDECIDED, mean_ratio
 
+#: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
+FREEDOM = {"nees": 4.0, "nis": 2.0}
 #: An interval that extends beyond this factor is too wide for a verdict on consistency.
 WIDEST = 2.0
 
 
-def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.DataFrame:
+def judge_consistency(evidence: Evidence) -> pd.DataFrame:
     """Divide NEES and NIS by their degrees of freedom in every cell of the run, and judge them.
 
     A cell is a combination of conditions in the run's grid. NEES is the normalized estimation error
     squared, NIS the normalized innovation squared.
-
-    Parameters
-    ----------
-    evidence
-        The run's values.
-    freedom
-        Measure ("nees" or "nis") -> its degrees of freedom.
 
     Returns
     -------
@@ -51,7 +45,7 @@ def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.Da
     for scheme, cell in product(evidence.schemes, map(Cell._make, product(*levels))):
         row: dict[str, object] = {"scheme": scheme, **cell._asdict()}
         intervals = []
-        for measure, degrees in freedom.items():
+        for measure, degrees in FREEDOM.items():
             samples = evidence.samples(scheme, cell, measure)
             ratio = NOTHING if samples is None else mean_ratio("", samples, degrees, 1.0, "above")
             row |= {measure: ratio.value}

@@ -25,8 +25,6 @@ from owtsweep.verdicts.score_table import Boundary
 TEXTS = read_data(__file__)
 #: Pictures of the numbers of tables 6-9.
 PLOTS = ("published_against_reproduced", "ratios")
-#: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
-FREEDOM = {"nees": 4.0, "nis": 2.0}
 
 
 def document(
@@ -71,7 +69,7 @@ def document(
         *_number_section(evidence, numbers, pictures),
         Heading("Boundary between HME1 and HME2"),
         Picture(pictures["boundaries"], TEXTS["boundaries"]),
-        *own.consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
+        *own.consistency_section(tables["consistency"], evidence.schemes),
         *own.missing_section(numbers, judged),
     ]
 

@@ -22,8 +22,8 @@ import pandas as pd
 import owtsweep
 from experiments.ren2019 import plots
 from experiments.ren2019.consistency import judge_consistency
-from experiments.ren2019.contents import FREEDOM, TEXTS, document
-from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence
+from experiments.ren2019.contents import TEXTS, document
+from experiments.ren2019.evidence import Evidence
 from experiments.ren2019.histories import MOST_REPLICATES, measure_histories
 from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import X_ALONE, fidelity_table
@@ -45,10 +45,6 @@ CLAIMS = read_claims(Path(__file__).with_name("claims.toml"))
 OF_FIGURES = CLAIMS.statements[:5]
 #: The statements on time histories.
 OF_HISTORIES = tuple(s for s in CLAIMS.statements if s.name in ("F9", "F11"))
-#: Measure of the paper's tables -> its label in figures.
-MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
-#: Title of a panel -> its measures.
-PANELS = {"MSE of x and y (m²)": ("x", "y"), "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy")}
 
 
 def judge_all(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
@@ -87,7 +83,7 @@ def write_report(run: Run, folder: Path) -> list[Path]:
         "fidelity": fidelity_table(evidence, numbers, judged, along_x),
         "fidelity_numbers": numbers,
         "fidelity_claims": tabulate_claims([*judged, *along_x]),
-        "consistency": judge_consistency(evidence, FREEDOM),
+        "consistency": judge_consistency(evidence),
     }
     amplitudes = config.grid.amplitude
     return report.write_report(
@@ -95,8 +91,8 @@ def write_report(run: Run, folder: Path) -> list[Path]:
         title=f"Fidelity of {name}",
         tables=tables,
         figures={
-            "published_against_reproduced": lambda: plots.scatter(numbers, SCHEMES, PANELS),
-            "ratios": lambda: plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
+            "published_against_reproduced": partial(plots.scatter, numbers),
+            "ratios": partial(plots.ratios, numbers),
             "boundaries": lambda: plots.draw_boundaries(evidence.boundaries, amplitudes),
         },
         contents=partial(document, name, config, evidence, tables, judged, along_x, CLAIMS.note),

@@ -16,40 +16,33 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
-from experiments.ren2019.evidence import tolerated
+from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, tolerated
 from experiments.ren2019.published import BOUNDARIES
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.verdicts.score_table import Boundary
 
+#: Measure of the paper's tables -> its label.
+MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
+#: Title of a panel -> its measures.
+PANELS = {"MSE of x and y (m²)": ("x", "y"), "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy")}
 #: The look of an area of agreement.
 BAND: dict[str, Any] = {"color": "0.5", "alpha": 0.15, "linewidth": 0.0}
 
 
-def scatter(
-    numbers: pd.DataFrame, schemes: Sequence[str], panels: Mapping[str, Sequence[str]]
-) -> Figure:
+def scatter(numbers: pd.DataFrame) -> Figure:
     """Draw published numbers (horizontal) against the run's means (vertical), in two panels.
 
-    A mark's vertical line spans the central 95 % of the run's single records.
-
-    Parameters
-    ----------
-    numbers
-        One row per published number. Columns scheme, measure, published, and the keys of
-        `numbers.compare_number`'s result. Rows whose `reproduced` is NaN are left out.
-    schemes
-        The schemes to draw, in the order of the legend.
-    panels
-        What a panel shows, with its unit -> the measures in this panel; exactly two items.
+    A mark's vertical line spans the central 95 % of the run's single records. `numbers` are those
+    of `numbers.compare_numbers`; rows whose `reproduced` is NaN are left out.
     """
     figure = style.new_figure(10.0, 4.7)
     present = numbers.dropna(subset="reproduced")
-    for axes, (title, measures) in zip(figure.subplots(1, 2), panels.items(), strict=True):
-        _scatter_panel(axes, present[present["measure"].isin(measures)], schemes)
+    for axes, (title, measures) in zip(figure.subplots(1, 2), PANELS.items(), strict=True):
+        _scatter_panel(axes, present[present["measure"].isin(measures)])
         axes.set(xlabel=f"{title}, published", ylabel=f"{title},\nthis run, mean of the records")
     handles = [
-        *_handles(schemes, "none"),
+        *_handles("none"),
         Line2D([], [], color="0.3", linewidth=1.0, label="95 % of single\nrecords"),
         Line2D([], [], color="0.3", linewidth=0.8, linestyle=":", label="equal"),
         Patch(label="factor of 2", **BAND),
@@ -58,15 +51,15 @@ def scatter(
     return figure
 
 
-def _handles(schemes: Sequence[str], line: Any) -> list[Any]:
-    looks = [(name, style_of(name, schemes)) for name in schemes]
+def _handles(line: Any) -> list[Any]:
+    looks = [(name, style_of(name, SCHEMES)) for name in SCHEMES]
     return [
         Line2D([], [], color=look.color, marker=look.marker, linestyle=line, label=name)
         for name, look in looks
     ]
 
 
-def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) -> None:
+def _scatter_panel(axes: Axes, numbers: pd.DataFrame) -> None:
     axes.set(xscale="log", yscale="log", aspect="equal")
     if len(numbers):
         ends = numbers[["published", "reproduced", "record_low", "record_high"]].to_numpy()
@@ -76,8 +69,8 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
         axes.fill_between(line, line / 2.0, line * 2.0, **BAND)
         axes.plot(line, line, color="0.3", linewidth=0.8, linestyle=":")
         axes.set(xlim=(low, high), ylim=(low, high))
-    for scheme in schemes:
-        rows, look = numbers[numbers["scheme"] == scheme], style_of(scheme, schemes)
+    for scheme in SCHEMES:
+        rows, look = numbers[numbers["scheme"] == scheme], style_of(scheme, SCHEMES)
         axes.vlines(
             rows["published"], rows["record_low"], rows["record_high"], color=look.color, alpha=0.6
         )
@@ -87,54 +80,35 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
         )  # fmt: skip
 
 
-def ratios(
-    numbers: pd.DataFrame,
-    schemes: Sequence[str],
-    measures: Mapping[str, str],
-    tables: Mapping[int, object],
-) -> Figure:
+def ratios(numbers: pd.DataFrame) -> Figure:
     """Draw log2(reproduced / published) of every measure and scheme, one panel per published table.
 
-    A mark's vertical line spans the central 95 % of the run's single records.
-
-    Parameters
-    ----------
-    numbers
-        One row per published number. Columns table (the number of the published table), scheme,
-        measure, published, and the keys of `numbers.compare_number`'s result.
-    schemes
-        The schemes to draw, in the order of the legend.
-    measures
-        Measure -> its label on the horizontal axis.
-    tables
-        Number of a published table -> the conditions of this table, for the panel's title.
+    A mark's vertical line spans the central 95 % of the run's single records. `numbers` are those
+    of `numbers.compare_numbers`.
     """
     figure = style.new_figure(10.0, 4.2)
-    for axes, (number, cell) in zip(
-        figure.subplots(1, len(tables), sharey=True), tables.items(), strict=True
-    ):
+    panels = figure.subplots(1, len(TABLE_CELLS), sharey=True)
+    for axes, (number, cell) in zip(panels, TABLE_CELLS.items(), strict=True):
         of_table = numbers[numbers["table"] == number]
-        _ratio_panel(axes, of_table, schemes, list(measures))
-        axes.set_xticks(range(len(measures)), list(measures.values()))
-        axes.set(xlim=(-0.6, len(measures) - 0.4), title=f"Table {number}: {cell}")
+        _ratio_panel(axes, of_table)
+        axes.set_xticks(range(len(MEASURES)), list(MEASURES.values()))
+        axes.set(xlim=(-0.6, len(MEASURES) - 0.4), title=f"Table {number}: {cell}")
         if of_table["reproduced"].isna().all():
-            middle = 0.5 * (len(measures) - 1)
+            middle = 0.5 * (len(MEASURES) - 1)
             axes.text(middle, 0.0, "not in this run", ha="center", va="center")
     figure.axes[0].set_ylabel("log$_2$(this run / published)")
-    handles = [*_handles(schemes, "-"), Patch(label="factor of 2", **BAND)]
+    handles = [*_handles("-"), Patch(label="factor of 2", **BAND)]
     figure.legend(handles=handles, loc="outside right center", frameon=False)
     return figure
 
 
-def _ratio_panel(
-    axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str], measures: list[str]
-) -> None:
+def _ratio_panel(axes: Axes, numbers: pd.DataFrame) -> None:
     axes.axhspan(-1.0, 1.0, **BAND)
     axes.axhline(0.0, color="0.3", linewidth=0.8, linestyle=":")
-    for shift, scheme in zip(np.linspace(-0.3, 0.3, len(schemes)), schemes, strict=True):
-        look = style_of(scheme, schemes)
+    for shift, scheme in zip(np.linspace(-0.3, 0.3, len(SCHEMES)), SCHEMES, strict=True):
+        look = style_of(scheme, SCHEMES)
         rows = numbers[numbers["scheme"] == scheme].dropna(subset="reproduced")
-        place = np.array([measures.index(m) for m in rows["measure"]]) + shift
+        place = np.array([list(MEASURES).index(m) for m in rows["measure"]]) + shift
         with np.errstate(divide="ignore", invalid="ignore"):  # a value that is not positive
             low = np.log2(rows["record_low"] / rows["published"])
             high = np.log2(rows["record_high"] / rows["published"])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
 
+from experiments.ren2019.consistency import FREEDOM
 from experiments.ren2019.numbers import lies_within_records
 from owtsweep.verdicts.inference import MISSING, JudgedStatement
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
@@ -36,30 +37,18 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
     return TextTable(["scheme", "measure", *NUMBER_COLUMNS, "agrees"], rows, NUMBER_COLUMNS)
 
 
-def consistency_section(
-    table: pd.DataFrame, schemes: Sequence[str], freedom: Mapping[str, float]
-) -> list[Block]:
+def consistency_section(table: pd.DataFrame, schemes: Sequence[str]) -> list[Block]:
     """Make the section on consistency: for each scheme, the ranges of NEES and NIS, and verdicts.
 
-    A cell is a combination of conditions in the run's grid.
-
-    Parameters
-    ----------
-    table
-        One row per scheme and cell. Columns scheme, verdict, and one for each measure in `freedom`:
-        the measure divided by its degrees of freedom.
-    schemes
-        The schemes to list, in order.
-    freedom
-        Measure, e.g. "nees" -> its degrees of freedom.
+    `table` is that of `judge_consistency`; `schemes` are listed in their order.
     """
-    columns = [f"{name.upper()} / {n:g}, least to largest" for name, n in freedom.items()]
+    columns = [f"{name.upper()} / {n:g}, least to largest" for name, n in FREEDOM.items()]
     rows = []
     for scheme in schemes:
         cells = table[table["scheme"] == scheme]
         counts = ", ".join(f"{word} {n}" for word, n in cells["verdict"].value_counts().items())
-        rows.append([scheme, *(_describe_range(cells[name]) for name in freedom), counts])
-    means = " and ".join(f"mean {name.upper()} over {n:g}" for name, n in freedom.items())
+        rows.append([scheme, *(_describe_range(cells[name]) for name in FREEDOM), counts])
+    means = " and ".join(f"mean {name.upper()} over {n:g}" for name, n in FREEDOM.items())
     return [
         Heading("Does the tuning know its own errors?"),
         Paragraph(

@@ -8,18 +8,18 @@ tables are written into its folder figures/, as tables_6_to_9.csv and tables_6_t
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from experiments.command import open_run
 from experiments.ren2019.published import mse_tables
-from experiments.ren2019.sections import format_ratio
+from experiments.ren2019.sections import NO_VALUE, format_ratio
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import write_table
 from owtsweep.studies.hub.describe import describe_in_a_line
+from owtsweep.verdicts.score_table import DIGITS
 
 COLUMNS = (
     "table", "natural_period", "amplitude", "scheme", "measure", "published", "reproduced",
@@ -27,29 +27,7 @@ COLUMNS = (
 )  # fmt: skip
 CONDITIONS = ["natural_period", "amplitude"]
 MISSING = "not in this run"
-NO_VALUE = "–"
 UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}
-#: A condition of the run and one of the paper are equal if they agree to this many decimal places.
-DIGITS = 9
-
-
-def write(summary: pd.DataFrame, window: str, origin: str, folder: Path, name: str) -> list[Path]:
-    """Write tables 6-9 into a folder, as `<name>.csv` and `<name>.md`; return both files.
-
-    Parameters
-    ----------
-    summary
-        The run's table summary.csv.
-    window
-        The window of the run's numbers, "full" or "settled".
-    origin
-        The first line of the Markdown file: of which tuning, truth and records the numbers are.
-    folder, name
-        The folder of the files, and their name without a suffix.
-    """
-    table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
-    write_atomically(text, f"{origin}\n\n{to_markdown(table)}")
-    return [write_table(folder, name, table), text]
 
 
 def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
@@ -128,9 +106,9 @@ def _number(value: float) -> str:
 if __name__ == "__main__":
     run = open_run()
     for tuning, part in run.by_tuning().items():
-        window, origin = part.config.measures.window, f"{describe_in_a_line(part.config)}."
-        end = f"_{tuning}" if tuning else ""
-        for file in write(
-            part.summary(), window, origin, run.place / "figures", f"tables_6_to_9{end}"
-        ):
-            print(file)
+        table = tables_6_to_9(part.summary(), window=part.config.measures.window)
+        folder, name = run.place / "figures", f"tables_6_to_9{f'_{tuning}' if tuning else ''}"
+        print(write_table(folder, name, table))
+        origin, text = f"{describe_in_a_line(part.config)}.", folder / f"{name}.md"
+        write_atomically(text, f"{origin}\n\n{to_markdown(table)}")
+        print(text)

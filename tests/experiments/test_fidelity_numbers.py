@@ -20,9 +20,8 @@ from scipy import stats
 
 from experiments.ren2019 import plots
 from experiments.ren2019.consistency import judge_consistency
-from experiments.ren2019.contents import FREEDOM
-from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence
-from experiments.ren2019.fidelity import MEASURES, PANELS, judge_all, judge_along_x
+from experiments.ren2019.evidence import SCHEMES, Evidence
+from experiments.ren2019.fidelity import judge_all, judge_along_x
 from experiments.ren2019.numbers import compare_numbers, lies_within_records
 from experiments.ren2019.sections import number_table
 from experiments.ren2019.summaries import fidelity_table
@@ -170,12 +169,12 @@ def test_values_of_a_perfect_scheme_and_of_a_forged_run_are_told_without_a_warni
     )
     numbers = compare_numbers(evidence)
     table = summarise(evidence, numbers).set_index("item")
-    judge_consistency(evidence, FREEDOM)
+    judge_consistency(evidence)
     shown = table.loc["table 8 EKF x", "reproduced"]
     assert shown == pytest.approx(2.0 * value)
     with style.context():
         for figure in (
-            plots.scatter(numbers, SCHEMES, PANELS),
-            plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
+            plots.scatter(numbers),
+            plots.ratios(numbers),
         ):
             figure.canvas.draw()

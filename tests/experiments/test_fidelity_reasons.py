@@ -10,7 +10,6 @@ from tools import configure
 
 from experiments.ren2019 import histories, reasons
 from experiments.ren2019.consistency import judge_consistency, judge_intervals
-from experiments.ren2019.contents import FREEDOM
 from experiments.ren2019.evidence import Cell, Evidence
 from experiments.ren2019.published import published_numbers
 from owtsweep.studies.hub import batch
@@ -70,9 +69,7 @@ def test_a_floor_that_single_records_could_fake_is_doubted():
 
 
 def test_consistency_by_brute_force(scattered):
-    table = judge_consistency(scattered, FREEDOM).set_index(
-        ["scheme", "natural_period", "amplitude"]
-    )
+    table = judge_consistency(scattered).set_index(["scheme", "natural_period", "amplitude"])
     assert len(table) == 4 * 6 * 10
     values = scattered.scores.table
     chosen = values[(values["scheme"] == "MKF") & (values["amplitude"] == 2.0)]

@@ -57,7 +57,7 @@ def test_consistency_is_told_per_scheme():
             "verdict": ["mixed"] * 2,
         }
     )
-    *_, text, grid = consistency_section(table, ["A"], {"nees": 4.0, "nis": 2.0})
+    *_, text, grid = consistency_section(table, ["A"])
     assert text.text.startswith("Mean NEES over 4 and mean NIS over 2 in each cell")
     assert grid.rows == [["A", "0.9 to 1.2", "–", "mixed 2"]]
 
