@@ -4,6 +4,10 @@
 alone as `python -m benchmarks.<part>`. All times come from `benchmarks.timing`.
 """
 
+from pathlib import Path
+
+#: The folder of the checkout.
+ROOT = Path(__file__).resolve().parents[1]
 #: The truth, the tuning and the four schemes of everything that is measured, unless an override
 #: says otherwise: those of all earlier reports.
 STUDY = ("experiment=study", "tuning=paper", "baselines=[]")

@@ -10,7 +10,6 @@ planning and bookkeeping under 2 ms per block.
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import subprocess
 import sys
@@ -19,12 +18,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from benchmarks import STUDY
+from benchmarks import ROOT, STUDY
 from benchmarks.bulk_study import BulkStudy, bulk_config
 from benchmarks.page import put
 from benchmarks.scale import made_up_rows
 from benchmarks.timing import REPEATS, median_time, timed
+from owtsweep.io.tables import write_table
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
@@ -135,7 +136,6 @@ def _row(block: str, stage: str, wall: float, cpu: float) -> dict[str, Any]:
 
 def large() -> list[dict[str, Any]]:
     """Measure seconds per stage and peak memory of large plans, once each, in their own process."""
-    root = Path(__file__).resolve().parents[1]
     rows = []
     for arguments in LARGE:
         done = subprocess.run(
@@ -143,7 +143,7 @@ def large() -> list[dict[str, Any]]:
             capture_output=True,
             text=True,
             check=True,
-            cwd=root,
+            cwd=ROOT,
         )
         rows.append(json.loads(done.stdout.splitlines()[-1]))
     return rows
@@ -151,10 +151,7 @@ def large() -> list[dict[str, Any]]:
 
 def write_csv(rows: list[dict[str, Any]]) -> None:
     """Write the rows as bookkeeping.csv beside this file."""
-    with FILE.open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_table(FILE.parent, FILE.stem, pd.DataFrame(rows))
 
 
 def block_table(rows: list[dict[str, Any]]) -> str:

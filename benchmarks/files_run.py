@@ -91,14 +91,10 @@ def run_case(overrides: Sequence[str] = ()) -> None:
         raise RuntimeError(said.getvalue())
 
 
-def is_on_the_way(file: str) -> bool:
-    """Return whether a file is in one of the rooms from configuration to score."""
-    return file.split("/")[0] in ROOMS
-
-
 def count(files: Sequence[str]) -> str:
     """Say how many files are on the way from configuration to score, and how many in all."""
-    return f"from configuration to score {sum(map(is_on_the_way, files))}, in all {len(files)}"
+    on_the_way = sum(file.split("/")[0] in ROOMS for file in files)
+    return f"from configuration to score {on_the_way}, in all {len(files)}"
 
 
 def make_table(files: Sequence[str]) -> str:

@@ -6,30 +6,13 @@ python -m benchmarks.online
 from __future__ import annotations
 
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 import owtsweep
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
-#: Greatest median time that HME2 may take, microseconds per IMU step.
-GOAL = 200.0
-
-
-class Cost(NamedTuple):
-    """The time of a scheme in microseconds per IMU step.
-
-    `median`, `high` (the 99.9th percentile) and `worst` are of single calls of `update`, and
-    `at_once` is of `run` over the whole record.
-    """
-
-    scheme: str
-    tuning: str
-    median: float
-    high: float
-    worst: float
-    at_once: float
 
 
 def measure(
@@ -37,7 +20,9 @@ def measure(
 ) -> list[dict[str, Any]]:
     """Measure the cost of each scheme at the default rates, 100 Hz (IMU) and 1 Hz (GNSS).
 
-    Each row is a `Cost` by the names of its fields.
+    Each row is of a scheme under a tuning, in microseconds per IMU step: `median`, `high` (the
+    99.9th percentile) and `worst` are of single calls of `update`, and `at_once` is of `run` over
+    the whole record.
 
     The statistics of `update` are over all steps of all repeats, so they include what other
     programs do to the machine. `at_once` is the median over the repeats.
@@ -47,7 +32,7 @@ def measure(
     positions = np.full((steps, 2), np.nan)
     positions[::100] = random.normal(size=(len(positions[::100]), 2))
     fixes = [None if np.isnan(position[0]) else position for position in positions]
-    costs = []
+    costs: list[dict[str, Any]] = []
     for tuning in tunings:
         for scheme in SCHEMES:
             owtsweep.online(scheme, [f"tuning={tuning}"]).update(force[0], fixes[0])  # compile
@@ -65,10 +50,13 @@ def measure(
                 whole[repeat] = (time.perf_counter() - began) / steps
             median, high = 1e6 * np.quantile(spent, [0.5, 0.999])
             costs.append(
-                Cost(scheme, tuning, float(median), float(high), 1e6 * float(spent.max()),
-                     1e6 * float(np.median(whole)))
+                {
+                    "scheme": scheme, "tuning": tuning, "median": float(median),
+                    "high": float(high), "worst": 1e6 * float(spent.max()),
+                    "at_once": 1e6 * float(np.median(whole)),
+                }
             )  # fmt: skip
-    return [cost._asdict() for cost in costs]
+    return costs
 
 
 if __name__ == "__main__":

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+from benchmarks import ROOT
+
+DOCS = ROOT / "docs"
 
 
 def put(name: str, text: str, path: Path = DOCS / "scaling.md") -> None:

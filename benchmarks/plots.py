@@ -7,7 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks.goals import SHARE
+import numpy as np
+
+from benchmarks.kernels import SHARE
+from owtsweep.figures.style import context, new_figure
+from owtsweep.studies.hub.listed import LISTED
 
 OURS, OTHERS, LIMIT = "#0072B2", "#999999", "#D55E00"
 DPI = 100
@@ -21,8 +25,6 @@ def plain(value: float) -> str:
 
 def draw(results: dict[str, Any], folder: Path) -> dict[str, str]:
     """Draw and save the pictures of the parts that were measured; return file names by part."""
-    from owtsweep.figures.style import context
-
     files = {}
     with context():
         for part, picture in PICTURES.items():
@@ -35,10 +37,6 @@ def draw(results: dict[str, Any], folder: Path) -> dict[str, str]:
 
 def _kernels(results: dict[str, Any]) -> Any:
     """Draw ns per step in both engines (left), and the kernels' share of the limits (right)."""
-    import numpy as np
-
-    from owtsweep.figures.style import new_figure
-
     figure = new_figure(10.0, 3.8)
     left, right = figure.subplots(1, 2)
     rows = results["kernels"]
@@ -74,9 +72,6 @@ def _kernels(results: dict[str, Any]) -> Any:
 
 def _breakdown(results: dict[str, Any]) -> Any:
     """Draw core-milliseconds per replicate, one bar per part."""
-    from owtsweep.figures.style import new_figure
-    from owtsweep.studies.hub.listed import LISTED
-
     rows = results["breakdown"]
     figure = new_figure(9.0, 2.9)
     ax = figure.subplots()
@@ -96,8 +91,6 @@ def _breakdown(results: dict[str, Any]) -> Any:
 
 
 def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str, title: str) -> Any:
-    from owtsweep.figures.style import new_figure
-
     rows = [row for row in rows if row[key] is not None]
     figure = new_figure(9.0, 0.9 + 0.42 * len(rows))
     ax = figure.subplots()
@@ -128,8 +121,6 @@ def _peers_mhe(results: dict[str, Any]) -> Any:
 
 def _study(results: dict[str, Any]) -> Any:
     """Draw the time against replicates, duration and workers, on log-log axes with slopes."""
-    from owtsweep.figures.style import new_figure
-
     measured = results["study"]["axes"]
     figure = new_figure(2.75 * len(measured), 3.2)
     axes = figure.subplots(1, len(measured), sharey=True)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from pathlib import Path
 from statistics import median
 from typing import Any
 
+from benchmarks import ROOT
 from benchmarks.timing import REPEATS, seconds
 
-ROOT = Path(__file__).resolve().parents[1]
 BARE = ("-c", "pass")
 #: The commands: what is run, the goal in s, and the arguments to Python.
 COMMANDS = (

@@ -14,10 +14,10 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
-from pathlib import Path
-from statistics import median
+from statistics import linear_regression, median
 from typing import Any, NamedTuple
 
+from benchmarks import ROOT
 from benchmarks.timing import REPEATS, timed
 
 #: The study for which the goal for the memory of long records is stated.
@@ -73,7 +73,8 @@ def measure(
 ) -> dict[str, Any]:
     """Measure the whole study, the growth along some axes and, in full length, long records.
 
-    A `scale` below 1 shortens the records, and leaves out the long ones.
+    A `scale` below 1 shortens the records, and leaves out the long ones, whose peak memory is
+    measured in MB.
     """
     whole = (f"grid.replicates={replicates}", f"record.duration={2000 * scale:g}")
     results: dict[str, Any] = {
@@ -81,7 +82,9 @@ def measure(
         "whole": measure_whole(repeats, whole),
         "axes": [measure_axis(name, rounds, scale) for name in along],
     }
-    return {**results, "long": measure_long()} if scale == 1.0 else results
+    if scale == 1.0:
+        results["long"] = _process("one_study", LONG)["peak"]
+    return results
 
 
 def measure_whole(repeats: int, overrides: Sequence[str]) -> dict[str, float]:
@@ -95,11 +98,6 @@ def measure_whole(repeats: int, overrides: Sequence[str]) -> dict[str, float]:
         run, time = timed(lambda: _process("one_study", overrides))
         runs.append({**run, "process": time.wall})
     return {key: median(run[key] for run in runs) for key in runs[0]}
-
-
-def measure_long(overrides: Sequence[str] = LONG) -> float:
-    """Measure the peak memory of a study of long records, in MB."""
-    return float(_process("one_study", overrides)["peak"])
 
 
 def measure_axis(name: str, rounds: int = ROUNDS, scale: float = 1.0) -> dict[str, Any]:
@@ -129,9 +127,7 @@ def slope(points: Sequence[tuple[float, float]]) -> float:
     """Compute the least-squares slope of log y against log x; `points` are pairs (x, y)."""
     x = [math.log(a) for a, _ in points]
     y = [math.log(b) for _, b in points]
-    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
-    above = sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True))
-    return above / sum((a - mean_x) ** 2 for a in x) if len(x) > 1 else math.nan
+    return linear_regression(x, y).slope if len(points) > 1 else math.nan
 
 
 def _process(module: str, what: Any, *words: object) -> Any:
@@ -140,8 +136,7 @@ def _process(module: str, what: Any, *words: object) -> Any:
     `what` is the first argument on the module's command line, in JSON; `words` are the others.
     """
     command = [sys.executable, "-m", f"benchmarks.{module}", json.dumps(what), *map(str, words)]
-    root = Path(__file__).resolve().parents[1]
-    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, cwd=root)
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, cwd=ROOT)
     return json.loads(done.stdout.splitlines()[-1])
 
 

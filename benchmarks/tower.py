@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import ROOT
 from benchmarks.timing import seconds, timed
 from owtsweep.estimation.augmented import augment_walks
 from owtsweep.structures.fatigue import compute_damage
@@ -156,14 +157,13 @@ def print_damage(job: Job) -> None:
 
 def print_study() -> None:
     """Run the default study as a command; print its time and memory."""
-    root = Path(__file__).resolve().parents[1]
     with tempfile.TemporaryDirectory() as results:
         command = [
             sys.executable, "-m", "owtsweep", "sweep", "study=tower", f"results={results}",
             "compute.workers=2",
         ]  # fmt: skip
         begun, peak = time.perf_counter(), 0.0
-        with subprocess.Popen(command, cwd=root) as running:
+        with subprocess.Popen(command, cwd=ROOT) as running:
             while running.poll() is None:
                 peak = max(peak, sum(map(read_memory, list_family(running.pid))))
                 time.sleep(LOOK)

@@ -44,11 +44,11 @@ def judge(words):
     config = question.change(*names, f"grid.replicates={RECORDS}")
     mean = find(question.study, config).measure(answer.best)
     inside = mean.low <= told.value <= mean.high
-    values = [answer.best, told.value, mean.low, mean.high, inside]
-    names = ["scheme", "error", "low", "high", "inside"]
-    return {word.partition("=")[0]: word.partition("=")[2] for word in words} | dict(
-        zip(names, values, strict=True)
-    )
+    return {
+        **dict(word.partition("=")[::2] for word in words),
+        "scheme": answer.best, "error": told.value, "low": mean.low, "high": mean.high,
+        "inside": inside,
+    }  # fmt: skip
 
 
 def main():

@@ -200,12 +200,9 @@ def _numbers(made: Path, kept: Path) -> tuple[float, str]:
 
 
 def _relative(a: str, b: str) -> float:
-    try:
-        one, other = float(a), float(b)
-    except ValueError:
-        return float("inf")
+    one, other = _number(a), _number(b)
     difference = abs(one - other) / max(abs(one), abs(other))
-    return difference if difference == difference else float("inf")  # NaN beside a number
+    return math.inf if math.isnan(difference) else difference  # a text, or NaN beside a number
 
 
 def _pixels(path: Path) -> tuple[tuple[int, int], bytes]:

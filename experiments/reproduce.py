@@ -41,13 +41,6 @@ class Reproduction:
             "at_most_20": min(replicates, 20),
             "at_most_8": min(replicates, 8),
         }
-        self.verbs = {
-            "sweep": self.sweep,
-            "figures": self.figures,
-            "report": self.report,
-            "copy": self.copy,
-            "script": self.script,
-        }
 
     def make(self, part: str) -> None:
         """Make one part of reproduce.toml, and compare it with results/reference."""
@@ -61,7 +54,7 @@ class Reproduction:
                 self.copy(f"{part}_{name}/figures/{source}", f"{part}/{target}")
         for step in wanted.get("steps", ()):
             verb, *words = (word.format(**self.values) for word in step.split())
-            self.verbs[verb](*words)
+            getattr(self, verb)(*words)
         if "keep" in wanted:
             self.keeper.keep(part)
         for file in wanted.get("files", ()):
