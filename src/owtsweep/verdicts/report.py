@@ -5,6 +5,7 @@ Some sections of the page are the same for every study.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -151,12 +152,16 @@ def goal_section(goals: Sequence[JudgedStatement]) -> list[Block]:
         TextTable(["", "to be reached", "verdict"], [[g.name, g.text, g.verdict] for g in goals]),
     ]
     for goal in goals:
-        blocks += [
-            Heading(f"{goal.name}: {goal.verdict}", 3),
-            Paragraph(f"{goal.text}. Test: {goal.definition}"),
-            Bullets([f"{claim.text}: {explain(claim)}." for claim in goal.claims]),
-        ]
+        blocks += _explain(goal, f"{goal.text}. Test: {goal.definition}")
     return blocks
+
+
+def _explain(judged: JudgedStatement, *paragraphs: str) -> list[Block]:
+    return [
+        Heading(f"{judged.name}: {judged.verdict}", 3),
+        *map(Paragraph, paragraphs),
+        Bullets([f"{claim.text}: {explain(claim)}." for claim in judged.claims]),
+    ]
 
 
 def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Block]:
@@ -167,14 +172,7 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
     rows = [
         [s.name, s.text, s.verdict, " / ".join(claim.text for claim in s.claims)] for s in judged
     ]
-    details: list[Block] = []
-    for statement in judged:
-        details += [
-            Heading(f"{statement.name}: {statement.verdict}", 3),
-            Paragraph(f"Paper: {statement.text}."),
-            Paragraph(f"Test: {statement.definition}"),
-            Bullets([f"{claim.text}: {explain(claim)}." for claim in statement.claims]),
-        ]
+    details = [_explain(s, f"Paper: {s.text}.", f"Test: {s.definition}") for s in judged]
     return [
         Heading("Statements"),
         Paragraph(
@@ -185,5 +183,5 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
             "Of each claim the comparison that is furthest from holding is shown."
         ),
         TextTable(["", "the paper says", "verdict", "claims tested"], rows),
-        *details,
+        *itertools.chain.from_iterable(details),
     ]
