@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from benchmarks import bookkeeping, page, report, scaling
+from benchmarks import bookkeeping, put, report, scaling
 from benchmarks.environment import busy, describe
 from benchmarks.parts import PARTS, measure_part
 
@@ -47,11 +47,11 @@ def measure(names: list[str], quick: bool) -> dict[str, Any]:
 def refresh_scaling(rows: list[dict[str, Any]], *, large: bool) -> None:
     """Replace the tables of docs/scaling.md; `rows` are the results of `bookkeeping.measure`."""
     bookkeeping.write_csv(rows)
-    page.put("bookkeeping", bookkeeping.block_table(rows))
+    put("bookkeeping", bookkeeping.block_table(rows))
     print("docs/scaling.md ...", flush=True)
-    page.put("growth", scaling.tables())
+    put("growth", scaling.tables())
     if large:
-        page.put("large", bookkeeping.plan_table(bookkeeping.large()))
+        put("large", bookkeeping.plan_table(bookkeeping.large()))
 
 
 def main() -> int:

@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks import ROOT, STUDY
+from benchmarks import ROOT, STUDY, put
 from benchmarks.bulk_study import BulkStudy, bulk_config
-from benchmarks.page import put
 from benchmarks.scale import made_up_rows
 from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.io.tables import write_table

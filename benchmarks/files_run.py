@@ -28,7 +28,7 @@ from pathlib import Path
 from types import CodeType, FrameType
 
 import owtsweep
-from benchmarks import page
+from benchmarks import put
 
 PACKAGE = Path(owtsweep.__file__).resolve().parent
 OURS = f"{PACKAGE}{os.sep}"
@@ -118,7 +118,7 @@ def main() -> None:
     subprocess.run([sys.executable, "-c", compiling], check=True)
     first = trace(lambda: run_case(words))
     if "--page" in sys.argv:
-        page.put("files of one case", make_table(first), page.DOCS / "files_of_a_case.md")
+        put("files of one case", make_table(first), "files_of_a_case.md")
     print(*first, sep="\n")
     print(f"files of one case: {count(first)}")
     again = trace(lambda: run_case(words))

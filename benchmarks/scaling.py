@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks import STUDY
+from benchmarks import STUDY, put
 from benchmarks import reference as stepwise
-from benchmarks.page import put
 from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.run import sweep
