@@ -189,9 +189,8 @@ def run_scenarios(
 def place_sensors(config: TowerConfig, case: Case) -> Case:
     """Return a record with the sensors of a configuration in place of its own."""
     places = list_places(config.sensors, config.nodes)
-    where = [(place.kind, place.node) for place in places]
     signals = {
-        direction: take_signals(motion, case.part.strain, where, config.faults)
+        direction: take_signals(motion, case.part.strain, places, config.faults)
         for direction, motion in case.motion.items()
     }
     return replace(case, places=places, signals=signals)

@@ -31,7 +31,7 @@ from experiments.tower.placement_figure import draw_placement
 from owtsweep.errors import InputError
 from owtsweep.streams import stream
 from owtsweep.studies.registry import compose
-from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
+from owtsweep.studies.tower.measuring import Faults, Place, add_errors, take_signals
 from owtsweep.studies.tower.placement import (
     Choice,
     Criterion,
@@ -83,8 +83,8 @@ def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[fl
     setting = replace(case.setting, channels=channels)
     prepared = SCHEMES.resolve("AKF_STEADY").prepare(setting)
     sigma = np.array([channel.sigma for channel in channels])
-    places = [(channel.kind, channel.node) for channel in channels]
-    names = [f"{kind}_{node}" for kind, node in places]
+    places = [Place(channel.kind, channel.node) for channel in channels]
+    names = [f"{kind}_{node}" for kind, node, _ in places]
     faults = Faults()
     errors = []
     for number, motion in enumerate(case.motions):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from zlib import crc32
 
 import numpy as np
 
-__all__ = ["stream"]
+__all__ = ["Draws", "stream"]
+
+#: Returns a new random generator of one record, given the name of what is drawn.
+Draws = Callable[[str], np.random.Generator]
 
 
 def stream(

@@ -8,6 +8,7 @@ from turbine import CUTS, STEP, STRUCTURE
 from owtsweep.structures.bernoulli import assemble_cut, assemble_whole, strain_matrix
 from owtsweep.structures.reduction import reduce_free
 from owtsweep.studies.tower.contract import Channel, Priors, Setting
+from owtsweep.studies.tower.measuring import Place
 from owtsweep.studies.tower.truth import find_damping
 from owtsweep.studies.tower.tuning import Tuning
 from owtsweep.studies.tower.waves import triangular_load
@@ -28,10 +29,10 @@ TUNING = Tuning(
 SPARSE = {"theta": (0, 30, 58, 149, 175), "a": (0, 35, 40, 84, 175)}
 
 
-def place(heights: dict[str, tuple[float, ...]]) -> list[tuple[str, int]]:
-    """Return kind and node of the channels at heights above the ground, in m."""
+def place(heights: dict[str, tuple[float, ...]]) -> list[Place]:
+    """Return the places of the channels at heights above the ground, in m."""
     return [
-        (kind, CUT.find_node(height + STRUCTURE.mudline))
+        Place(kind, CUT.find_node(height + STRUCTURE.mudline))
         for kind, those in heights.items()
         for height in those
     ]
@@ -59,7 +60,7 @@ def make_setting(
         nodes=np.arange(len(CUT.heights)),
         wave_shape=triangular_load(STRUCTURE, CUT),
         strain=STRAIN,
-        channels=tuple(Channel(k, n, float(s)) for (k, n), s in zip(places, sigma, strict=True)),
+        channels=tuple(Channel(k, n, float(s)) for (k, n, _), s in zip(places, sigma, strict=True)),
         step=STEP,
         priors=Priors(change, 30.0 * change, np.full(5, 10.0)),
         tuning=TUNING,

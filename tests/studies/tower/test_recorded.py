@@ -8,10 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.registry import compose
+from owtsweep.studies.tower import measuring
+from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth
 from owtsweep.studies.tower.contract import Channel, Estimates
 from owtsweep.studies.tower.measuring import list_places, take_signals
@@ -44,6 +47,13 @@ def write(path: Path, **columns: np.ndarray) -> Path:
         comments="",
     )  # fmt: skip
     return path
+
+
+def configure(path: Path, duration: float, rate: float = 100.0) -> TowerConfig:
+    """Return the configuration of a record of the mast from a file."""
+    config = compose(["study=tower", "experiment=mast", f"structure={ROOT / 'examples/mast.yaml'}"])
+    record = changed(config.record, duration=duration, rate=rate)
+    return changed(config, record=record, recorded=Recorded(file=str(path)))
 
 
 def read(path: Path, *columns: str) -> RecordedStructure:
@@ -128,21 +138,21 @@ def test_places_must_be_nodes_and_cuts(tmp_path):
         make_motions(read(file), CUT)
     file = write(tmp_path / "r.csv", time=TIME, a_12=TIME)
     record = read(file)
-    require_channels(record, CUT, "fa", [("a", 4)])
+    require_channels(record, CUT, "fa", [measuring.Place("a", 4)])
     with pytest.raises(InputError, match=r"no column a_015 of direction fa .* it has a_12; name"):
-        require_channels(record, CUT, "fa", [("a", 5)])
+        require_channels(record, CUT, "fa", [measuring.Place("a", 5)])
     with pytest.raises(InputError, match="no channel of kind strain; use sensors of kind x, theta"):
-        require_channels(record, CUT, "fa", [("strain", 4)])
+        require_channels(record, CUT, "fa", [measuring.Place("strain", 4)])
 
 
 def test_length_and_rate_are_those_of_the_study(tmp_path):
-    file = Recorded(file=str(write(tmp_path / "r.csv", time=TIME, a_12=TIME)))
-    motion = load_motions(file, CUT, [("a", 4)], steps=35, step=0.01)["fa"]
+    file, places = write(tmp_path / "r.csv", time=TIME, a_12=TIME), [measuring.Place("a", 4)]
+    motion = load_motions(configure(file, 0.35), CUT, places)["fa"]
     assert motion.acceleration.shape == (35, len(CUT.mass))
     with pytest.raises(InputError, match=r"record.rate: 50 Hz, but .* every 0.01 s; .*rate=100"):
-        load_motions(file, CUT, [("a", 4)], steps=35, step=0.02)
+        load_motions(configure(file, 0.7, 50.0), CUT, places)
     with pytest.raises(InputError, match=r"record.duration: 0.41 s, but .* lasts 0.4 s; set rec"):
-        load_motions(file, CUT, [("a", 4)], steps=41, step=0.01)
+        load_motions(configure(file, 0.41), CUT, places)
 
 
 def test_a_record_is_judged_by_what_it_holds_and_the_answer_names_it(tmp_path):
@@ -200,17 +210,14 @@ def test_the_mast_of_the_project_is_always_the_same(tmp_path):
 def test_force_and_motion_of_the_mast_come_back(tmp_path):
     script = runpy.run_path(str(ROOT / "experiments" / "tower" / "make_recorded.py"))
     script["write"](script["make"](MAST, 5000), tmp_path / "mast.csv")
-    file = f"structure={ROOT / 'examples' / 'mast.yaml'}"
-    config = compose(["study=tower", "experiment=mast", file])
+    config = configure(tmp_path / "mast.csv", 50.0)
     part = model_substructure(config)
-    places = [place[:2] for place in list_places(config.sensors, config.nodes)]
-    step = 1.0 / config.record.rate
-    recorded = Recorded(file=str(tmp_path / "mast.csv"))
-    motion = load_motions(recorded, part.cut, places, steps=5000, step=step)["fa"]
+    places = list_places(config.sensors, config.nodes)
+    motion = load_motions(config, part.cut, places)["fa"]
     signals = take_signals(motion, part.strain, places, Faults())
     sigma = 0.01 * signals.std(axis=0)
-    channels = [Channel(*place, s) for place, s in zip(places, sigma, strict=True)]
-    priors = make_priors(config.filters, step, None)
+    channels = [Channel(*place[:2], s) for place, s in zip(places, sigma, strict=True)]
+    priors = make_priors(config.filters, 1.0 / config.record.rate, None)
     setting = make_setting(config, part, "fa", 1.0, channels, priors)
     noise = np.random.default_rng(3).standard_normal(signals.shape)
     guess = SCHEMES.resolve("AKF_STEADY").prepare(setting).run(signals + sigma * noise)

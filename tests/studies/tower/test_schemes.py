@@ -26,7 +26,7 @@ def record():
     places = place(SPARSE)
     signals = take_signals(motion, STRAIN, places, Faults())
     sigma = 0.01 * signals.std(axis=0)
-    names = [f"{kind}_{node}" for kind, node in places]
+    names = [f"{kind}_{node}" for kind, node, _ in places]
     measured = add_errors(signals, sigma, Faults(), streams(), names, STEP)
     return motion, make_setting(SPARSE, sigma), measured
 

@@ -8,7 +8,7 @@ from turbine import CALM, CUTS, ROUGH, STEP, STRUCTURE, WIND, make, streams
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.structures.bernoulli import assemble_cut, strain_matrix
-from owtsweep.studies.tower.measuring import add_errors, take_signals
+from owtsweep.studies.tower.measuring import Place, add_errors, take_signals
 from owtsweep.studies.tower.sections import Faults
 from owtsweep.studies.tower.waves import make_wave_loads, triangular_load
 from owtsweep.studies.tower.wind import find_spectrum, make_top_loads
@@ -109,7 +109,7 @@ def test_sensors_read_the_truth_and_their_faults():
     motion = make()["fa"]
     beam = assemble_cut(STRUCTURE, *CUTS)
     strain = strain_matrix(STRUCTURE, beam)
-    channels = [("x", 3), ("theta", 19), ("a", 19), ("strain", 5)]
+    channels = [Place("x", 3), Place("theta", 19), Place("a", 19), Place("strain", 5)]
     plain = take_signals(motion, strain, channels, Faults())
     turn, push = motion.displacement[:, 39], motion.acceleration[:, 38]
     np.testing.assert_array_equal(plain[:, 1], turn)

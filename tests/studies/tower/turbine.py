@@ -6,14 +6,14 @@ from functools import partial
 
 import numpy as np
 
+from owtsweep.config import changed
 from owtsweep.streams import stream
-from owtsweep.structures import find_structure
+from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.sections import SeaState, TopLoad, Wind
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 STEP = 0.01
 CUTS = (-30.0, 145.0)
-STRUCTURE = find_structure("iea15")
 WIND = Wind(
     speed=8.0,
     rotor_area=float(np.pi * 120.0**2),
@@ -27,6 +27,8 @@ WIND = Wind(
     damping=1.2e5,
     side_damping=1.5e4,
 )
+CONFIG = changed(compose(["study=tower", "structure=iea15", "seed=2019"]), wind=WIND)
+STRUCTURE = CONFIG.structure
 CALM = SeaState(hs=0.0, tp=11.0)
 ROUGH = SeaState(hs=4.5, tp=11.0, yaw=30.0)
 
@@ -36,6 +38,8 @@ def streams(replicate: int = 0):
     return partial(stream, 2019, "tower", [], replicate)
 
 
-def make(steps: int = 4000, sea: SeaState = CALM, **kwargs: object) -> dict[str, Motion]:
-    """Return the truth of a short record."""
-    return make_truth(STRUCTURE, CUTS, WIND, sea, streams(), steps=steps, step=STEP, **kwargs)
+def make(steps: int = 4000, sea: SeaState = CALM, **truth: object) -> dict[str, Motion]:
+    """Return the truth of a short record, with keys of the section `truth`."""
+    record = changed(CONFIG.record, duration=steps * STEP)
+    whole = changed(CONFIG, record=record, waves=sea, truth=changed(CONFIG.truth, **truth))
+    return make_truth(whole, 0)

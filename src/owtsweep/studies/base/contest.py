@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -13,6 +14,7 @@ from owtsweep.config.records import Records
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH
+from owtsweep.streams import Draws, stream
 from owtsweep.studies.base.axes import Axes
 from owtsweep.studies.base.costs import Costs
 
@@ -45,6 +47,10 @@ class ContestConfig(Config):
     @property
     def records(self) -> Records:
         return self.grid
+
+    def draws(self, replicate: int) -> Draws:
+        """Return the random streams of the record with a number, which no condition changes."""
+        return partial(stream, self.seed, self.study, (), replicate)
 
 
 C = TypeVar("C", bound=ContestConfig)

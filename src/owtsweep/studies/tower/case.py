@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
-from owtsweep.streams import stream
 from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Setting
@@ -49,25 +47,10 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
 
     Raise `InputError` if the structure does not stand, or loads or sensors cannot be used.
     """
-    structure, record = config.structure, config.record
-    step = 1.0 / record.rate
+    structure, recorded = config.structure, config.recorded.file is not None
     cut = assemble_cut(structure, *config.heights)
-    places = list_places(config.sensors, config.nodes)
-    strain, where = strain_matrix(structure, cut), [(place.kind, place.node) for place in places]
-    if config.recorded.file is not None:
-        motion = load_motions(config.recorded, cut, where, steps=record.steps, step=step)
-    else:
-        motion = make_truth(
-            structure,
-            config.heights,
-            config.wind,
-            config.waves,
-            partial(stream, config.seed, config.study, (), replicate),
-            steps=record.steps,
-            step=step,
-            gravity=config.truth.gravity,
-            subdivision=config.truth.subdivision,
-        )
+    places, strain = list_places(config.sensors, config.nodes), strain_matrix(structure, cut)
+    motion = load_motions(config, cut, places) if recorded else make_truth(config, replicate)
     return Case(
         replicate=replicate,
         motion=motion,
@@ -75,8 +58,8 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
         true_stress=stress_matrix(structure, cut),
         places=places,
         signals={
-            direction: take_signals(motion[direction], strain, where, config.faults)
-            for direction in motion
+            direction: take_signals(moved, strain, places, config.faults)
+            for direction, moved in motion.items()
         },
     )
 
@@ -109,7 +92,7 @@ def measure(config: TowerConfig, case: Case, direction: str, channels: Sequence[
         case.signals[direction],
         np.array([channel.sigma for channel in channels]),
         config.faults,
-        partial(stream, config.seed, config.study, (), case.replicate),
+        config.draws(case.replicate),
         [f"{name_channel(case, place)}_{direction}" for place in case.places],
         1.0 / config.record.rate,
     )

@@ -7,13 +7,13 @@ import logging
 import numpy as np
 
 from owtsweep.config import require
-from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
+from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.base.axes import check_blocks
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.measuring import count_rotations, list_places
 from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.wind import NAMES, read_loads
+from owtsweep.studies.tower.wind import read_loads
 
 logger = logging.getLogger(__name__)
 
@@ -28,20 +28,22 @@ def check(config: TowerConfig) -> None:
     config.fatigue.check()
     SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
-    _check_loads(config)
-    grid = config.grid
-    cells = len(grid.noise) * len(grid.soil_factor) * grid.first
-    check_blocks(cells * len(config.schemes))
+    grid, structure = config.grid, config.structure
     require(
-        min(config.grid.noise) > 0.0,
+        config.waves.hs == 0.0 or (structure.water is not None and structure.mudline < 0.0),
+        f"waves.hs: the structure {structure.name} does not stand in water; give sea=calm",
+    )
+    check_blocks(len(grid.noise) * len(grid.soil_factor) * grid.first * len(config.schemes))
+    require(
+        min(grid.noise) > 0.0,
         "grid.noise: 0 % makes the covariance R of the sensors singular; give a small number such "
         "as 0.01",
     )
     low, high = config.heights
     require(
         low < high,
-        f"cuts: the lower cut at {low - config.structure.mudline:g} m is not below the upper one "
-        f"at {high - config.structure.mudline:g} m",
+        f"cuts: the lower cut at {low - structure.mudline:g} m is not below the upper one at "
+        f"{high - structure.mudline:g} m",
     )
     _check_sensors(config)
     require(
@@ -52,11 +54,10 @@ def check(config: TowerConfig) -> None:
 
 def check_outside(config: TowerConfig) -> None:
     """Raise `InputError` if a file of recorded loads or of a recorded structure cannot be used."""
-    record = config.record
     if config.wind.file is not None:
-        read_loads(config.wind.file, NAMES, steps=record.steps, step=1.0 / record.rate)
+        read_loads(config.wind.file, steps=config.record.steps, step=1.0 / config.record.rate)
     if config.recorded.file is not None:
-        _check_recorded(config, assemble_cut(config.structure, *config.heights))
+        _check_recorded(config)
 
 
 def _check_sensors(config: TowerConfig) -> None:
@@ -90,13 +91,9 @@ def warn_of_few_inclinometers(config: TowerConfig) -> None:
         )
 
 
-def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
-    places = list_places(config.sensors, config.nodes)
-    record = config.record
-    motions = load_motions(
-        config.recorded, cut, [(place.kind, place.node) for place in places],
-        steps=record.steps, step=1.0 / record.rate,
-    )  # fmt: skip
+def _check_recorded(config: TowerConfig) -> None:
+    cut = assemble_cut(config.structure, *config.heights)
+    motions = load_motions(config, cut, list_places(config.sensors, config.nodes))
     there = {
         "displacement": [motion.displacement[:, ::2] for motion in motions.values()],
         "base_moment": [motions["fa"].inputs[:, 1]] if "fa" in motions else [],
@@ -106,12 +103,4 @@ def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
     require(
         config.criterion in judged,
         f"criterion: {config.recorded.file} has no column to judge {config.criterion} by{instead}",
-    )
-
-
-def _check_loads(config: TowerConfig) -> None:
-    structure = config.structure
-    require(
-        config.waves.hs == 0.0 or (structure.water is not None and structure.mudline < 0.0),
-        f"waves.hs: the structure {structure.name} does not stand in water; give sea=calm",
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from owtsweep.errors import require
 from owtsweep.gravity import GRAVITY
 from owtsweep.sensing.faults import Losses
 from owtsweep.sensing.noise import WienerBias
+from owtsweep.streams import Draws
 from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.contract import Kind
 from owtsweep.studies.tower.sections import KINDS, Faults, Sensors
@@ -62,18 +63,16 @@ def count_rotations(places: Sequence[Place]) -> int:
     return sum(place.kind in ("theta", "x") for place in places)
 
 
-def take_signals(
-    motion: Motion, strain: Array, channels: Sequence[tuple[Kind, int]], faults: Faults
-) -> Array:
+def take_signals(motion: Motion, strain: Array, places: Sequence[Place], faults: Faults) -> Array:
     """Return the signals (m, rad, m/s^2, strain) of channels without noise, (steps, channels).
 
     motion: the truth of one direction.
     strain: Strains of the outer fibre for unit degrees of freedom, shape (nodes, dof).
-    channels: Kind and node of each channel.
+    places: the channels.
     faults: whether accelerometers feel gravity and inclinometers acceleration.
     """
-    signals = np.empty((len(motion.displacement), len(channels)))
-    for column, (kind, node) in enumerate(channels):
+    signals = np.empty((len(motion.displacement), len(places)))
+    for column, (kind, node, _) in enumerate(places):
         shift, turn = motion.displacement[:, 2 * node], motion.displacement[:, 2 * node + 1]
         push = motion.acceleration[:, 2 * node]
         if kind == "x":
@@ -93,7 +92,7 @@ def add_errors(
     signals: Array,
     sigma: Array,
     faults: Faults,
-    stream: Callable[[str], np.random.Generator],
+    draws: Draws,
     names: Sequence[str],
     step: float,
 ) -> Array:
@@ -106,17 +105,17 @@ def add_errors(
     for column, name in enumerate(names):
         signal = signals[:, column]
         size = float(np.std(signal))
-        noise = stream(f"noise_{name}").standard_normal(len(signal))
+        noise = draws(f"noise_{name}").standard_normal(len(signal))
         measured[:, column] = signal + sigma[column] * noise
         if faults.bias > 0.0:
-            sign = np.sign(stream(f"bias_{name}").standard_normal())
+            sign = np.sign(draws(f"bias_{name}").standard_normal())
             measured[:, column] += sign * faults.bias * size
         if faults.drift > 0.0:
             walk = faults.drift * size / np.sqrt(100.0)
-            wander = WienerBias(stream(f"drift_{name}"), walk, step)
+            wander = WienerBias(draws(f"drift_{name}"), walk, step)
             measured[:, column] += wander.draw(len(signal))
         if faults.loss > 0.0:
-            lost = Losses(stream(f"loss_{name}"), faults.loss, faults.loss_length)
+            lost = Losses(draws(f"loss_{name}"), faults.loss, faults.loss_length)
             kept = np.where(lost.draw(len(signal)), 0, np.arange(len(signal)))
             measured[:, column] = measured[np.maximum.accumulate(kept), column]
     return measured

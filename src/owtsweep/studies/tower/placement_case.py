@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -17,11 +16,10 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import require
-from owtsweep.streams import stream
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import assemble_cut, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Channel, Kind, Setting
+from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Kind, Setting
 from owtsweep.studies.tower.measuring import Place, find_node, list_places, take_signals
 from owtsweep.studies.tower.placement import Problem, pose
 from owtsweep.studies.tower.sections import KINDS, Faults
@@ -115,10 +113,9 @@ def make_case(
     *,
     inclinometers: Sequence[float] | None = None,
     spread: bool = False,
-    direction: str = "fa",
     records: int = 1,
 ) -> PlacementCase:
-    """Set up the choice of inclinometers on the substructure between the cuts.
+    """Set up the choice of inclinometers fore-aft on the substructure between the cuts.
 
     Raise `InputError` if a height has no node, a sensor measures nothing, or the structure does not
     stand.
@@ -128,23 +125,13 @@ def make_case(
     inclinometers: Heights above ground in m to choose from; None: every node without an
         inclinometer.
     spread: Keep only `SPREAD` of the given accelerometers, evenly over the height.
-    direction: "fa" or "ss".
     records: Number of records to simulate. The first one gives the scales.
     """
-    structure = config.structure
-    part = model_substructure(config)
-    low, step, first = structure.mudline, 1.0 / config.record.rate, config.record.settled
-    motions = tuple(
-        make_truth(
-            structure, config.heights, config.wind, config.waves,
-            partial(stream, config.seed, "tower", (), number), steps=config.record.steps,
-            step=step, gravity=config.truth.gravity, subdivision=config.truth.subdivision,
-        )[direction]
-        for number in range(records)
-    )  # fmt: skip
+    structure, part, first = config.structure, model_substructure(config), config.record.settled
+    motions = tuple(make_truth(config, number)[DIRECTIONS[0]] for number in range(records))
 
     def measure_size(kind: Kind) -> Array:
-        everywhere = [(kind, node) for node in range(len(part.cut.heights))]
+        everywhere = [Place(kind, node) for node in range(len(part.cut.heights))]
         signals = take_signals(motions[0], part.strain, everywhere, Faults())
         return np.asarray(signals[first:].std(axis=0))
 
@@ -153,19 +140,19 @@ def make_case(
     given = _list_given(config, sizes, spread)
     there = [channel.node for channel in given if channel.kind == "theta"]
     offered = _list_offered(nodes, sizes["theta"], there, inclinometers)
-    priors = make_priors(config.filters, step, motions[0])
+    priors = make_priors(config.filters, 1.0 / config.record.rate, motions[0])
     true_stress = stress_matrix(structure, assemble_cut(structure, *config.heights))
     scale = (motions[0].displacement[first:] @ true_stress.T).std(axis=0)
     judged = scale > IDLE * scale.max()
     return PlacementCase(
-        setting=make_setting(config, part, direction, 1.0, given, priors),
+        setting=make_setting(config, part, DIRECTIONS[0], 1.0, given, priors),
         candidates=tuple(Channel("theta", n, share * float(sizes["theta"][n])) for n in offered),
         stress=part.stress[judged],
         welds=nodes[judged],
         stress_scale=scale[judged],
         moment_scale=float(motions[0].inputs[first:, 1].std()),
         motions=motions,
-        ground=low,
+        ground=structure.mudline,
         wave=config.waves.hs > 0.0,
     )
 

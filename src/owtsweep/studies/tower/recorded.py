@@ -20,7 +20,9 @@ from owtsweep.evaluation.signals import scatter
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded import Signals, Wanted, read_signals
 from owtsweep.structures.bernoulli import PlaneBeam
-from owtsweep.studies.tower.contract import Estimates, Kind
+from owtsweep.studies.tower import measuring
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contract import Estimates
 from owtsweep.studies.tower.sections import Recorded
 from owtsweep.studies.tower.truth import Motion
 
@@ -154,26 +156,21 @@ def make_motions(
 
 
 def load_motions(
-    recorded: Recorded,
-    cut: PlaneBeam,
-    channels: Sequence[tuple[Kind, int]],
-    *,
-    steps: int,
-    step: float,
+    config: TowerConfig, cut: PlaneBeam, channels: Sequence[measuring.Place]
 ) -> dict[str, Motion]:
     """Read a recorded structure, and put its beginning in the place of a simulated truth.
 
-    recorded, cut: the section `recorded`, with a file, and the beam between the cuts.
-    channels: kinds and nodes of the sensors, for which the file must have columns.
-    steps, step: number of samples, and sampling interval (s).
+    The section `recorded` has a file, `cut` is the beam between the cuts, and the file must have a
+    column for each of the `channels`.
+
     Raises InputError as `make_motions`, or if the file lacks a column, is too short, or has another
         step.
     """
-    record = read_record(recorded)
-    record.found.require_record(1.0 / step, steps)
+    record = read_record(config.recorded)
+    record.found.require_record(config.record.rate, config.record.steps)
     for direction in record.directions:
         require_channels(record, cut, direction, channels)
-    return make_motions(record, cut, steps)
+    return make_motions(record, cut, config.record.steps)
 
 
 def measure(
@@ -198,10 +195,10 @@ def measure(
 
 
 def require_channels(
-    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[tuple[Kind, int]]
+    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[measuring.Place]
 ) -> None:
-    """Raise `InputError` if a record lacks a column for a sensor, a kind and a node of `cut`."""
-    for kind, node in channels:
+    """Raise `InputError` if a record lacks a column for a sensor at a node of `cut`."""
+    for kind, node, _ in channels:
         height = float(cut.heights[node] - cut.heights[0])
         require(
             kind in KINDS,

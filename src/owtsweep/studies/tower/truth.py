@@ -7,7 +7,6 @@ series with declared statistics (`owtsweep.studies.tower.wind`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +15,9 @@ from owtsweep.arrays import Array
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
 from owtsweep.structures.response import Outputs, respond
+from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.sections import SeaState, Wind
+from owtsweep.studies.tower.models import list_interfaces
 from owtsweep.studies.tower.waves import WaveLoads, make_wave_loads
 from owtsweep.studies.tower.wind import make_top_loads
 
@@ -40,54 +40,30 @@ class Motion:
     wave: Array
 
 
-def make_truth(
-    structure: Structure,
-    cuts: tuple[float, float],
-    wind: Wind,
-    sea: SeaState,
-    stream: Callable[[str], np.random.Generator],
-    *,
-    steps: int,
-    step: float,
-    gravity: bool = True,
-    subdivision: int = 2,
-) -> dict[str, Motion]:
-    """Simulate one record of the whole structure, in both directions.
+def make_truth(config: TowerConfig, replicate: int) -> dict[str, Motion]:
+    """Simulate the record with a number, of the whole structure in both directions.
 
     Return direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh. Raise
     `InputError` if the structure does not stand, a cut is inside an element, or a file of loads
     cannot be used.
-
-    cuts: Heights of the cuts above mean sea level in m.
-    stream: function that returns a new random generator, given a name.
-    steps, step: Number of samples and sampling interval (s).
-    gravity: whether the weight softens the structure (p-delta).
-    subdivision: Into how many elements each element of the estimators' mesh is divided.
     """
+    structure, wind, sea = config.structure, config.wind, config.waves
+    steps, step, draws = config.record.steps, 1.0 / config.record.rate, config.draws(replicate)
     # Loads act for a while before the record, so that it begins with a motion that has built up.
     lead = steps if wind.file is None else 0
-    top = make_top_loads(wind, stream, steps=steps, step=step, lead=lead)
-    mesh = assemble_whole(structure, gravity=gravity, subdivision=subdivision)
+    top = make_top_loads(wind, draws, steps=steps, step=step, lead=lead)
     waves = None
     if sea.hs > 0.0:
-        waves = make_wave_loads(structure, mesh, sea, stream, steps=steps, step=step, lead=lead)
+        mesh = assemble_whole(structure, **vars(config.truth))
+        waves = make_wave_loads(structure, mesh, sea, draws, steps=steps, step=step, lead=lead)
     yaw = np.deg2rad(sea.yaw)
-    truth = {}
-    for side, direction in enumerate(DIRECTIONS):
-        whole = assemble_whole(structure, side=bool(side), gravity=gravity, subdivision=subdivision)
-        truth[direction] = _simulate(
-            structure,
-            whole,
-            assemble_cut(structure, *cuts, gravity=gravity, subdivision=subdivision),
-            wind.side_damping if side else wind.damping,
-            top[:, 2 * side : 2 * side + 2],
-            waves,
-            float(np.sin(yaw) if side else np.cos(yaw)),
-            step,
-            lead,
-            subdivision,
+    shares = (float(np.cos(yaw)), float(np.sin(yaw)))
+    return {
+        direction: _simulate(
+            config, bool(side), top[:, 2 * side : 2 * side + 2], waves, shares[side], lead
         )
-    return truth
+        for side, direction in enumerate(DIRECTIONS)
+    }
 
 
 def find_damping(structure: Structure, beam: PlaneBeam) -> Array:
@@ -104,36 +80,33 @@ def find_damping(structure: Structure, beam: PlaneBeam) -> Array:
 
 
 def _simulate(
-    structure: Structure,
-    whole: PlaneBeam,
-    cut: PlaneBeam,
-    damper: float,
-    top: Array,
-    waves: WaveLoads | None,
-    share: float,
-    step: float,
-    lead: int,
-    subdivision: int,
+    config: TowerConfig, side: bool, top: Array, waves: WaveLoads | None, share: float, lead: int
 ) -> Motion:
+    """Simulate one direction: loads on the top, and the `share` of the waves that acts along it.
+
+    Loads have the shapes (lead + steps, 2) and (lead + steps, loaded).
+    """
+    structure, truth = config.structure, config.truth
+    whole = assemble_whole(structure, side=side, **vars(truth))
+    cut = assemble_cut(structure, *config.heights, **vars(truth))
     size = len(whole.mass)
     first = 2 * whole.find_node(cut.heights[0])
     inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole
-    own_damping = find_damping(structure, assemble_cut(structure, *cut.heights[[0, -1]],
-                               subdivision=subdivision))  # fmt: skip
+    weightless = assemble_cut(structure, *config.heights, subdivision=truth.subdivision)
+    own_damping = find_damping(structure, weightless)
     damping = np.zeros((size, size))
     damping[np.ix_(inside, inside)] = own_damping
-    damping[size - 2, size - 2] += damper
+    damping[-2, -2] += config.wind.side_damping if side else config.wind.damping
     loads = np.zeros((size, 2))
-    loads[[size - 2, size - 1], [0, 1]] = 1.0
+    loads[-2:] = np.eye(2)
     series = top
     if waves is not None:
         spread = np.zeros((size, len(waves.dof)))
         spread[waves.dof, np.arange(len(waves.dof))] = share
         loads, series = np.hstack([loads, spread]), np.hstack([top, waves.series])
     free = whole.free
-    nodes = inside.reshape(-1, 2)[::subdivision].reshape(-1)
-    faces = inside[[0, 1, -2, -1]]  # of the cuts
-    at = np.array([0, 1, len(inside) - 2, len(inside) - 1])
+    nodes = inside.reshape(-1, 2)[:: truth.subdivision].reshape(-1)
+    at = list_interfaces(cut)
     pick = np.eye(size)[nodes]
     none = np.zeros_like(pick)
 
@@ -150,14 +123,14 @@ def _simulate(
     )
     held = np.ix_(free, free)
     got = respond(
-        whole.mass[held], damping[held], whole.stiffness[held], loads[free], series, step, wanted,
-        lead,
+        whole.mass[held], damping[held], whole.stiffness[held], loads[free], series,
+        1.0 / config.record.rate, wanted, lead,
     )  # fmt: skip
     series = series[lead:]
     count = len(nodes)
     inputs = got[:, 2 * count :].copy()
     wave: Array = np.zeros(len(series))
     if waves is not None:
-        inputs -= series[:, 2:] @ loads[faces, 2:].T
+        inputs -= series[:, 2:] @ loads[inside[at], 2:].T
         wave = share * waves.force[lead:] / (0.5 * -structure.mudline)
     return Motion(got[:, :count].copy(), got[:, count : 2 * count].copy(), inputs, wave)

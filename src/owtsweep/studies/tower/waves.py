@@ -7,15 +7,14 @@ spread over the nodes with the work of the elements' shape functions.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
 from owtsweep.motion.plant import compute_forces
+from owtsweep.streams import Draws
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.sections import SeaState
@@ -41,32 +40,25 @@ def make_wave_loads(
     structure: Structure,
     beam: PlaneBeam,
     sea: SeaState,
-    stream: Callable[[str], np.random.Generator],
+    draws: Draws,
     *,
     steps: int,
     step: float,
     lead: int = 0,
 ) -> WaveLoads:
-    """Draw a record of wave loads.
+    """Draw a record of wave loads on a structure in water.
 
-    Raise `InputError` if the structure does not stand in water, or the record is too short for
-    waves.
+    Raise `InputError` if the record is too short for waves.
 
     beam: a beam that covers the wetted part of the structure.
     sea: the section `waves`, with a height above 0.
-    stream: function that returns a new random generator, given a name; it is called with "waves".
     steps, step, lead: Number of samples, sampling interval (s), and number of samples before the
         record, at most `steps`.
     """
-    require(
-        structure.water is not None and structure.mudline < 0.0,
-        f"waves.hs: the structure {structure.name} does not stand in water; give waves.hs=0",
-    )
-    period = 2 * steps * step
     waves = draw_waves(
         Sea(sea.hs, sea.tp, sea.gamma),
-        stream("waves"),
-        period=period,
+        draws("waves"),
+        period=2 * steps * step,
         depth=-structure.mudline,
         gravity=structure.gravity,
     )

@@ -8,8 +8,6 @@ narrow Gaussian peaks. The series repeat after twice their length, so nothing re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +16,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.streams import Draws
 from owtsweep.studies.tower.sections import TopLoad, Wind
 
 #: Length scale of the longitudinal component, m (IEC 61400-1:2019, 6.3.1 and C.14).
@@ -28,32 +27,19 @@ LINE_WIDTH = 0.02
 NAMES = ("thrust", "moment", "side", "side_moment")
 
 
-def make_top_loads(
-    wind: Wind,
-    stream: Callable[[str], np.random.Generator],
-    *,
-    steps: int,
-    step: float,
-    lead: int = 0,
-) -> Array:
+def make_top_loads(wind: Wind, draws: Draws, *, steps: int, step: float, lead: int = 0) -> Array:
     """Draw the loads on the top, or read them from the file of the configuration.
 
-    They are in N and N m in the order of `NAMES`, shape (lead + steps, 4). `stream` returns a new
-    random generator, given a name; `step` is in s. There are at most `steps` samples of `lead`
-    before the record, and none if a file is read. Raise `InputError` if the file cannot be used.
+    They are in N and N m in the order of `NAMES`, shape (lead + steps, 4); `step` is in s. There
+    are at most `steps` samples of `lead` before the record, and none if a file is read. Raise
+    `InputError` if the file cannot be used.
     """
     if wind.file is not None:
-        return read_loads(wind.file, NAMES, steps=steps, step=step)
+        return read_loads(wind.file, steps=steps, step=step)
     frequency = np.arange(1, steps) / (2 * steps * step)
     spectrum = find_spectrum(wind, frequency)
-    loads = [getattr(wind, name) for name in NAMES]
-    return np.stack(
-        [
-            _draw(load, spectrum, stream(name), steps, lead)
-            for name, load in zip(NAMES, loads, strict=True)
-        ],
-        axis=1,
-    )
+    loads = [_draw(getattr(wind, name), spectrum, draws(name), steps, lead) for name in NAMES]
+    return np.stack(loads, axis=1)
 
 
 def find_spectrum(wind: Wind, frequency: Array) -> Array:
@@ -90,8 +76,8 @@ def sample_periodic(bins: NDArray[np.complex128], steps: int, lead: int) -> Arra
     return np.concatenate([period[2 * steps - lead :], period[:steps]])
 
 
-def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> Array:
-    """Read loads by columns, interpolated linearly at the samples of a record, (steps, names).
+def read_loads(file: str, *, steps: int, step: float) -> Array:
+    """Read loads, interpolated linearly at the samples of a record, (steps, 4) as `NAMES`.
 
     `file` is a CSV file with a line of names: time (s), and the loads (N, N m). The record begins
     at the file's first time; `step` is in s. Raise `InputError` if the file cannot be read, lacks a
@@ -106,9 +92,9 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
             table = pd.read_csv(stream)
     except (OSError, ValueError) as error:
         raise InputError(f"wind.file: {file} cannot be read ({error})") from None
-    missing = [name for name in ("time", *names) if name not in table.columns]
+    missing = [name for name in ("time", *NAMES) if name not in table.columns]
     require(not missing, f"wind.file: {file} lacks the columns {', '.join(missing)}")
-    values = table[["time", *names]].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    values = table[["time", *NAMES]].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
     require(len(values) > 0, f"wind.file: {file} holds no row of numbers below its names")
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
     require(
@@ -116,7 +102,7 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
         f"wind.file: {file} has no number in line {bad[0] + 2 if len(bad) else 0}; remove or "
         "fill such lines",
     )
-    for name, column in zip(names, values[:, 1:].T, strict=True):
+    for name, column in zip(NAMES, values[:, 1:].T, strict=True):
         require_possible(
             f"wind.file: {file}: column {name}", column, "check its unit, N or N m", load=True
         )
