@@ -82,8 +82,8 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
     rows = []
     for cell in CONTEST.list_cells(config):
         name = name_cell(config, cell)
-        for replicate, motion in enumerate(motions):
-            measured = measure(config, motion, cell, replicate)
+        for motion in motions:
+            measured = measure(config, motion, cell)
             setting = make_setting(config, motion, cell)
             for scheme in (CONSISTENT, *RIVALS):
                 error = compare(
@@ -92,7 +92,7 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
                     setting.position_sigma,
                     config.record.settled,
                 )["velocity"]
-                rows.append((plane, name, scheme, replicate, error))
+                rows.append((plane, name, scheme, motion.replicate, error))
     return pd.DataFrame(rows, columns=["plane", "cell", "scheme", "replicate", "value"])
 
 

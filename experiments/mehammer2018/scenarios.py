@@ -114,7 +114,7 @@ def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> d
     motion = make_truth(config, replicate, cell.get("roll"))
     if scenario.printed:
         motion = integrate_as_printed(motion)
-    measured = measure(config, motion, cell, replicate)
+    measured = measure(config, motion, cell)
     setting = make_setting(config, motion, cell)
     outcomes = {}
     for scheme in scenario.schemes:

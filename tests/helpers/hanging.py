@@ -30,7 +30,7 @@ def make(*words, replicate=0, short=True):
     (cell,) = CONTEST.list_cells(config)
     world = make_world(config, cell, replicate)
     case = observe(config, cell, world)
-    return config, world.motion, case.measured, case.tell(config, cell)
+    return config, world, case.measured, case.tell(config, cell)
 
 
 def run(name, setting, measured):

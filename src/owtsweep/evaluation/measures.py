@@ -122,3 +122,14 @@ def _products(parts: Sequence[Array], variance: Array | None = None) -> Array:
         return np.array([0.0, 0.0, mean(parts[0], parts[0])])
     motion, noise = parts
     return np.array([mean(motion, motion), mean(motion, noise), mean(noise, noise)])
+
+
+def compute_rms_length(errors: Array) -> float:
+    """Compute the root of the mean over samples of squared lengths, of errors (n, d)."""
+    return float(np.sqrt(np.mean(np.sum(errors**2, axis=1))))
+
+
+def average_nees(errors: Array, covariances: Array) -> float:
+    """Compute the mean of e' P^-1 e over the dimension, of errors (n, d) and P (n, d, d)."""
+    solved = np.linalg.solve(covariances, errors[:, :, None])[:, :, 0]
+    return float(np.mean(errors * solved))

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
+#: Resonances end at this multiple of their natural frequency.
+HIGHEST = 3.0
+
 
 class Series(NamedTuple):
     """Position and its two derivatives at samples, shape (samples, columns) each."""
@@ -34,14 +37,14 @@ def find_frequencies(steps: int, step: float) -> Array:
     return np.arange(steps + 1) / (2 * steps * step)
 
 
-def respond(frequency: Array, period: float, damping: float, highest: float) -> Array:
+def respond(frequency: Array, period: float, damping: float) -> Array:
     """Return an oscillator's power response to white noise, up to a factor.
 
-    It is zero at a frequency of 0 and above `highest` natural frequencies.
+    It is zero at a frequency of 0 and above `HIGHEST` natural frequencies.
     """
     ratio = frequency * period
     response = 1.0 / ((1.0 - ratio**2) ** 2 + (2.0 * damping * ratio) ** 2)
-    return np.where((ratio > 0.0) & (ratio <= highest), response, 0.0)
+    return np.where((ratio > 0.0) & (ratio <= HIGHEST), response, 0.0)
 
 
 def scale_to_one(
@@ -50,6 +53,12 @@ def scale_to_one(
     """Return lines (lines, columns) with a variance of 1 per column; without power they stay 0."""
     variance = 0.5 * np.sum(np.abs(lines) ** 2, axis=0)
     return np.asarray(lines / np.sqrt(np.where(variance > 0.0, variance, 1.0)))
+
+
+def draw_lines(density: Array, generator: np.random.Generator) -> NDArray[np.complex128]:
+    """Draw lines with a variance of 1, whose spectrum is `density` up to a factor, (lines, 1)."""
+    real, imaginary = generator.standard_normal((2, len(density)))
+    return scale_to_one((np.sqrt(density) * (real + 1j * imaginary))[:, None])
 
 
 def sample(lines: NDArray[np.complex128], steps: int, step: float, lead: int) -> Series:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hanging import QUIET, make
@@ -130,7 +132,7 @@ def test_the_start_is_wrong_by_its_sizes() -> None:
     config, motion, _, setting = make("unit=mems")
     truth = motion.truth
     for replicate in range(60):
-        (position, velocity), rotation = draw_start(config, motion, replicate)
+        (position, velocity), rotation = draw_start(config, replace(motion, replicate=replicate))
         turned = Rotation.from_matrix(rotation.T @ truth.rotation[0]).as_rotvec()
         errors.append([*(position - truth.unit[0]), *(velocity - truth.unit_velocity[0]), *turned])
     sizes = np.sqrt(np.mean(np.square(errors), axis=0))

@@ -32,7 +32,7 @@ def make_case(*words, replicate=0, steps=1200):
     motion = make_truth(config, replicate, cell.get("roll"))
     return (
         motion.truth, make_setting(config, motion, cell),
-        measure(config, motion, cell, replicate), config.record.settled,
+        measure(config, motion, cell), config.record.settled,
     )  # fmt: skip
 
 

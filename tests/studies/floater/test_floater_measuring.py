@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import groupby
 
@@ -33,7 +34,7 @@ def move(*words, replicate=0):
 def sense(*words, replicate=0, delay=0.0, bias=0.0, snr=20.0, loss=0.0):
     """Return what sensors say of record 0, by the draws of a replicate."""
     cell = {"delay": delay, "bias": bias, "snr": snr, "loss": loss, "believed": 1.0}
-    return measure(configure(*words), move(*words), cell, replicate)
+    return measure(configure(*words), replace(move(*words), replicate=replicate), cell)
 
 
 def tell(*words, delay=0.0, bias=0.0, snr=20.0, believed=1.0):

@@ -150,6 +150,6 @@ def test_a_delay_between_samples_is_interpolated() -> None:
     """It is not refused; test_floater_measuring has it against a closed form."""
     savemat("basin.mat", COLUMNS)
     config = compose([*TINY, *RECORDED, "grid.delay=[2.5]", "grid.snr=[400]"])
-    seen = measure(config, make_truth(config, 0), CONTEST.list_cells(config)[0], 0).position
+    seen = measure(config, make_truth(config, 0), CONTEST.list_cells(config)[0]).position
     between = move(STEP * (np.arange(1200) - 2.5), 1)[0]
     assert seen[10:] == pytest.approx(between[10:], abs=1e-7)

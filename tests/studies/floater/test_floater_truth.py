@@ -125,7 +125,7 @@ def test_between_samples_the_error_is_that_of_degree_five() -> None:
     errors = []
     for every, step in ((2, 0.2), (1, 0.1)):
         kept = type(series)(*(part[::every] for part in series))
-        motion = Motion(replace(make_truth(configure(), 0).truth, step=step), kept, 0)
+        motion = Motion(replace(make_truth(configure(), 0).truth, step=step), kept, 0, 0)
         error = np.abs(motion.at(0.0125 * np.arange(15900)) - dense[:15900]).max(axis=0)
         # The remainder of Hermite's interpolation: x^(6) (h/2)^6 / 6!.
         remainder = np.abs(sixth).max(axis=0) * (step / 2.0) ** 6 / 720.0

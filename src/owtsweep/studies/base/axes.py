@@ -10,7 +10,6 @@ from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 from owtsweep.config import Config, require
-from owtsweep.config.records import Records
 from owtsweep.results.conditions import Condition
 
 #: Value of each axis of the grid in one cell; an axis without a value is missing.
@@ -83,18 +82,18 @@ class Axes(Generic[C]):
         ]
 
 
-def check_axes(chosen: Sequence[str], grid: Records, all_axes: Sequence[str], schemes: int) -> None:
+def check_axes(axes: Axes[Any], config: Any) -> None:
     """Check that the map has two axes with values, others have one value each, and its size.
 
     Raise `InputError` if an axis is unknown, stands there twice or has no value, another has
     several, or a plan would have too many blocks.
     """
-    names = ", ".join(all_axes)
+    chosen, grid, names = axes.find_axes(config), config.grid, ", ".join(axes.names)
     for axis in chosen:
-        require(axis in all_axes, f"axes: there is no axis {axis!r}; use two of {names}")
+        require(axis in axes.names, f"axes: there is no axis {axis!r}; use two of {names}")
     across, upwards = chosen
     require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
-    for axis in all_axes:
+    for axis in axes.names:
         values = getattr(grid, axis)
         if axis in chosen:
             require(
@@ -109,7 +108,7 @@ def check_axes(chosen: Sequence[str], grid: Records, all_axes: Sequence[str], sc
             f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
         )
     cells = prod(len(getattr(grid, axis)) for axis in chosen)
-    check_blocks(cells * schemes * ceil(grid.first / RECORDS))
+    check_blocks(cells * len(config.schemes) * ceil(grid.first / RECORDS))
 
 
 def check_blocks(blocks: int) -> None:

@@ -5,7 +5,7 @@ After Maes, De Roeck and Lombaert (2018).
 
 from __future__ import annotations
 
-from owtsweep import estimation, motion
+from owtsweep import estimation, evaluation, motion
 from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.sweep.levers import Lever, double, halve
 from owtsweep.sweep.study import add_versions
@@ -28,5 +28,5 @@ class BladeStudy(DeclaredStudy):
         Lever("half the noise of the gyroscopes", "unit.rate_sigma", halve),
     )
     stretched = ("root", 0, "position of the root, first axis (m)")
-    numerics_version = add_versions(2, motion, estimation)
+    numerics_version = add_versions(1, motion, estimation, evaluation)
     commands = DeclaredStudy.commands | {"tune"}

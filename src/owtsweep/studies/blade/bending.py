@@ -9,7 +9,6 @@ and seen from another point of the blade a parabola is the same parabola.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -17,13 +16,11 @@ from scipy.interpolate import CubicSpline
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.angles import from_heading, make_rotation
 from owtsweep.gravity import GRAVITY
-from owtsweep.motion.lines import Series, find_frequencies, respond, sample, scale_to_one
-from owtsweep.streams import stream
+from owtsweep.motion.lines import Series, draw_lines, find_frequencies, respond, sample
+from owtsweep.streams import Draws
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import PRISMS, UNIT
 
-#: The mode's resonance ends at this multiple of its natural frequency.
-HIGHEST = 3.0
 #: Where the parabola begins along the blade, and from there to the third prism, m.
 CLAMP = float(UNIT[0])
 REACH = float(PRISMS[2, 0]) - CLAMP
@@ -54,7 +51,7 @@ class Bending:
 
 
 def make_bending(
-    config: BladeConfig, replicate: int, series: Series, steps: int, lead: int
+    config: BladeConfig, draws: Draws, series: Series, steps: int, lead: int
 ) -> Bending | None:
     """Return the bending of a record whose rigid motion is `series`; None if nothing bends.
 
@@ -68,9 +65,7 @@ def make_bending(
     rotation = make_rotation(from_heading(series.position[:, 3:]))
     deflection = -bending.sag / GRAVITY * np.einsum("nji,nj->ni", rotation, felt)[:, 1:]
     frequency = find_frequencies(steps, step)
-    draws = partial(stream, config.seed, config.study, (), replicate)
-    real, imaginary = draws("bending").standard_normal((2, len(frequency)))
-    density = respond(frequency, bending.period, bending.damping, HIGHEST)
-    lines = scale_to_one((np.sqrt(density) * (real + 1j * imaginary))[:, None])
+    density = respond(frequency, bending.period, bending.damping)
+    lines = draw_lines(density, draws("bending"))
     deflection[:, 1] += bending.vibration * sample(lines, steps, step, lead).position[:, 0]
     return Bending(CubicSpline(step * np.arange(-lead, steps), deflection))

@@ -7,26 +7,23 @@ accelerations are exact derivatives of each other at the accelerometers' own rat
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.double_integration import RATE, decimate, integrate_twice, pass_high
+from owtsweep.evaluation.measures import compute_rms_length
 from owtsweep.gravity import GRAVITY
-from owtsweep.motion.lines import find_frequencies, respond, sample, scale_to_one
-from owtsweep.streams import stream
+from owtsweep.motion.lines import draw_lines, find_frequencies, respond, sample
+from owtsweep.streams import Draws
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Accelerations, BoomMotion
 
-#: Resonances end at this multiple of their natural frequency.
-HIGHEST = 3.0
 #: Seconds at both ends of a record in which filters that run in both directions are less exact.
 ENDS = 20.0
 
 
-def make_boom(config: BladeConfig, replicate: int, swing: NDArray[np.complex128]) -> BoomMotion:
+def make_boom(config: BladeConfig, draws: Draws, swing: NDArray[np.complex128]) -> BoomMotion:
     """Return the motion of the boom's tip in a record.
 
     Each mode has a random stream of its own. `swing` holds complex amplitudes of the translations
@@ -39,19 +36,15 @@ def make_boom(config: BladeConfig, replicate: int, swing: NDArray[np.complex128]
     lines = np.zeros((len(frequency), 3), dtype=complex)
     shared = min(len(swing), len(lines)) - 1  # the last line of either is not sampled
     lines[:shared] = np.array(boom.follow) * swing[:shared]
-    draws = partial(stream, config.seed, config.study, (), replicate)
     for name, mode in boom.modes.items():
-        real, imaginary = draws(f"boom_{name}").standard_normal((2, len(frequency)))
-        density = respond(frequency, mode.period, mode.damping, HIGHEST)
-        drawn = np.sqrt(density) * (real + 1j * imaginary)
-        lines += scale_to_one(drawn[:, None]) * np.array(mode.sigma)
+        density = respond(frequency, mode.period, mode.damping)
+        lines += draw_lines(density, draws(f"boom_{name}")) * np.array(mode.sigma)
     series = sample(lines, steps, 1.0 / boom.rate, 0)
     return BoomMotion(boom.rate, series.position, series.acceleration)
 
 
-def measure_boom(config: BladeConfig, motion: BoomMotion, replicate: int) -> Accelerations:
+def measure_boom(config: BladeConfig, draws: Draws, motion: BoomMotion) -> Accelerations:
     """Return what the accelerometers on the boom's tip say: with gravity, a bias and noise."""
-    draws = partial(stream, config.seed, config.study, (), replicate)
     bias = config.boom.bias * draws("boom_bias").standard_normal(3)
     noise = config.boom.noise * draws("boom_noise").standard_normal(motion.acceleration.shape)
     felt = motion.acceleration + bias + noise + np.array([0.0, 0.0, GRAVITY])
@@ -80,4 +73,4 @@ def find_boom_error(motion: BoomMotion, estimate: Array, settled: float) -> floa
         return None
     truth = pass_high(motion.position[:: round(motion.rate / RATE)], RATE)
     inner = slice(round(first * RATE), round(last * RATE))
-    return float(np.sqrt(np.mean(np.sum((estimate - truth)[inner] ** 2, axis=1))))
+    return compute_rms_length((estimate - truth)[inner])

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.streams import stream
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
@@ -44,45 +43,34 @@ class Case(NamedTuple):
         return make_setting(config, cell, self.start, self.start_sigma, self.geometry)
 
 
-class World(NamedTuple):
-    """What moves in a record: a simulated blade, or the one of a recorded lift.
+class RecordedMotion(NamedTuple):
+    """The motion of a recorded lift, and the reference that stands for its truth."""
 
-    `motion`: the simulated motion; None if the lift is recorded. `lift`, `reference`: the recorded
-    lift, and what stands for its truth; None if the lift is simulated.
-    """
-
-    replicate: int
-    motion: Motion | None = None
-    lift: Lift | None = None
-    reference: Truth | None = None
+    lift: Lift
+    reference: Truth
 
 
-def make_world(config: BladeConfig, cell: Cell, replicate: int) -> World:
+def make_world(config: BladeConfig, cell: Cell, replicate: int) -> Motion | RecordedMotion:
     """Simulate the motion of a record, or read the recorded lift.
 
     Raise `InputError` if a recorded lift cannot be used.
     """
     if config.recorded.imu is None:
-        return World(replicate, make_truth(config, replicate, cell))
+        return make_truth(config, replicate, cell)
     lift = load_lift(config)
-    return World(
-        replicate, lift=lift, reference=find_reference(lift, make_lift_setting(config, lift))
-    )
+    return RecordedMotion(lift, find_reference(lift, make_lift_setting(config, lift)))
 
 
-def observe(config: BladeConfig, cell: Cell, world: World) -> Case:
+def observe(config: BladeConfig, cell: Cell, world: Motion | RecordedMotion) -> Case:
     """Return the record of a cell; fixes of a recorded lift are withheld in outages."""
-    if world.motion is not None:
-        measured = measure(config, world.motion, cell, world.replicate)
-        start = draw_start(config, world.motion, world.replicate)
-        return Case(world.motion.truth, measured, start, find_start_sigma(config), PLAN)
-    lift = world.lift
-    assert lift is not None
-    assert world.reference is not None
+    if isinstance(world, Motion):
+        measured, start = measure(config, world, cell), draw_start(config, world)
+        return Case(world.truth, measured, start, find_start_sigma(config), PLAN)
+    lift, reference = world
     hidden = find_outages(config, cell["outage"])[:, None, None]
     fixes = lift.measured.fixes
     return Case(
-        world.reference,
+        reference,
         replace(lift.measured, fixes=np.where(hidden, np.nan, fixes)),
         lift.start,
         lift.start_sigma,
@@ -145,12 +133,12 @@ def find_start_sigma(config: BladeConfig) -> Array:
     return np.array([sensors.start_position, sensors.start_velocity, tilt, heading])
 
 
-def draw_start(config: BladeConfig, motion: Motion, replicate: int) -> tuple[Array, Array]:
+def draw_start(config: BladeConfig, motion: Motion) -> tuple[Array, Array]:
     """Draw the given position and velocity (2, 3) and attitude (3, 3) of a record's first sample.
 
     The error of the attitude turns the body: about x and y by the tilt's, about z by the heading's.
     """
-    draw = stream(config.seed, config.study, (), replicate, "start").standard_normal((3, 3))
+    draw = config.draws(motion.replicate)("start").standard_normal((3, 3))
     position, velocity, tilt, heading = find_start_sigma(config)
     truth = motion.truth
     given = np.stack([

@@ -6,8 +6,8 @@ import numpy as np
 
 from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
+from owtsweep.motion.lines import HIGHEST
 from owtsweep.studies.base.axes import check_axes
-from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import DOF
@@ -29,7 +29,7 @@ LONGEST_LEVER = 50.0
 def check(config: BladeConfig) -> None:
     """Raise `InputError` if two values cannot work together, as seen before a record is made."""
     SCHEMES.resolve_all(config.schemes)
-    check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
+    check_axes(CONTEST, config)
     config.record.check_samples(MOST_SAMPLES)
     config.recorded.check()
     if config.recorded.imu is not None:
@@ -89,7 +89,7 @@ def _check_motion(config: BladeConfig) -> None:
             )
         period = min([natural, *((grid.period or []) if name == "u" else [])])
         require(
-            config.record.rate >= 10.0 * 3.0 / period,
+            config.record.rate >= 10.0 * HIGHEST / period,
             f"record.rate: {config.record.rate:g} Hz is too slow for a motion of {period:g} s "
             f"({name}); give {30.0 / period:.4g} Hz or more",
         )

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.angles import find_angles
+from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.contract import NotFinite
@@ -65,18 +66,18 @@ def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, flo
     if not (np.isfinite(error[cut]).all() and np.isfinite(turned).all()):
         raise NotFinite("the estimate is not finite")
     found = {
-        "root": _rms(error[cut]),
-        "attitude": np.rad2deg(_rms(turned)),
+        "root": compute_rms_length(error[cut]),
+        "attitude": np.rad2deg(compute_rms_length(turned)),
         "worst": np.sqrt(np.sum(error[judged.last_outage] ** 2, axis=1).max()),
-        "mse": _rms(error[cut]) ** 2,
-        "velocity": _rms(speed),
+        "mse": compute_rms_length(error[cut]) ** 2,
+        "velocity": compute_rms_length(speed),
     }
     angles = find_angles(estimates.rotation[cut]) - find_angles(truth.rotation[cut])
     angles -= 2.0 * np.pi * np.round(angles / (2.0 * np.pi))
     for i, name in enumerate(("roll", "pitch", "heading")):
-        found[name] = np.rad2deg(_rms(angles[:, i, None]))
+        found[name] = np.rad2deg(compute_rms_length(angles[:, i, None]))
     for i, name in enumerate("xyz"):
-        found[f"root_{name}"] = _rms(error[cut, i, None])
+        found[f"root_{name}"] = compute_rms_length(error[cut, i, None])
     if estimates.root_covariance is not None:
         P = estimates.root_covariance[cut]
         found["nees"] = average_nees(error[cut], P)
@@ -104,18 +105,7 @@ def find_turn(true: Array, estimated: Array) -> Array:
     return np.asarray(Rotation.from_matrix(estimated.transpose(0, 2, 1) @ true).as_rotvec())
 
 
-def average_nees(errors: Array, covariances: Array) -> float:
-    """Return the mean of e' P^-1 e over the dimension, of errors (n, d) and P (n, d, d)."""
-    solved = np.linalg.solve(covariances, errors[:, :, None])[:, :, 0]
-    return float(np.mean(errors * solved))
-
-
 def list_measures(names: Iterable[str]) -> list[str]:
     """Return measures in the order of tables: criteria, then the others."""
     names = set(names)
     return [name for name in (*CRITERIA, WAIT, *OTHERS) if name in names]
-
-
-def _rms(errors: Array) -> float:
-    """Return the root of the mean over samples of squared lengths, errors (n, d)."""
-    return float(np.sqrt(np.mean(np.sum(errors**2, axis=1))))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.sensing.faults import draw_outliers
 from owtsweep.sensing.noise import draw_gauss_markov
-from owtsweep.streams import stream
+from owtsweep.streams import Draws
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.boom import measure_boom
 from owtsweep.studies.blade.config import BladeConfig
@@ -28,9 +28,9 @@ WALK_TIME = 100.0
 IRREGULAR = 0.3
 
 
-def measure(config: BladeConfig, motion: Motion, cell: Cell, replicate: int) -> Measured:
+def measure(config: BladeConfig, motion: Motion, cell: Cell) -> Measured:
     """Return what the sensors say of a record in a cell of the grid."""
-    draws = partial(stream, config.seed, config.study, (), replicate)
+    draws = config.draws(motion.replicate)
     truth, sensors = motion.truth, config.sensors
     steps, step = len(truth.rate), truth.step
     time = step * np.arange(steps)
@@ -65,13 +65,11 @@ def measure(config: BladeConfig, motion: Motion, cell: Cell, replicate: int) -> 
         floating=floating,
         prism_times=shown + sensors.prism_offset,
         prisms=prisms,
-        boom=None if truth.boom is None else measure_boom(config, truth.boom, replicate),
+        boom=None if truth.boom is None else measure_boom(config, draws, truth.boom),
     )
 
 
-def draw_biases(
-    unit: Unit, draws: partial[np.random.Generator], steps: int, step: float
-) -> tuple[Array, Array]:
+def draw_biases(unit: Unit, draws: Draws, steps: int, step: float) -> tuple[Array, Array]:
     """Return biases of accelerometers (m/s^2) and gyroscopes (rad/s), shape (steps, 3) each."""
     biases = []
     for name, size, walk in (
@@ -123,11 +121,7 @@ def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: 
 
 
 def draw_errors(
-    receiver: Receiver,
-    draws: partial[np.random.Generator],
-    count: int,
-    interval: float,
-    vertical: float,
+    receiver: Receiver, draws: Draws, count: int, interval: float, vertical: float
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Draw the errors of successive fixes, m, (count, 3), and which are float solutions, (count,).
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.evaluation.measures import compute_rms_length
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded import Signals, Wanted, open_table, read_signals
 from owtsweep.motion.recorded.formats.nmea import FORMAT as NMEA
@@ -212,5 +213,4 @@ def compare_withheld(estimates: Estimates, fixes: Array, geometry: Geometry) -> 
     if not there.any():
         return None
     lever = geometry.antennas[0] - geometry.root
-    error = (estimates.root + estimates.rotation @ lever - fixes)[there]
-    return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
+    return compute_rms_length((estimates.root + estimates.rotation @ lever - fixes)[there])

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +24,13 @@ from owtsweep.estimation.inertial.angles import (
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import (
     Series,
+    draw_lines,
     find_frequencies,
     interpolate,
     respond,
     sample,
-    scale_to_one,
 )
-from owtsweep.streams import stream
+from owtsweep.streams import Draws
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.bending import Bending, make_bending
 from owtsweep.studies.blade.boom import make_boom
@@ -39,13 +38,13 @@ from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
 from owtsweep.studies.blade.sections import Freedom
 
-#: Resonances end at this multiple of their natural frequency, gusts at this frequency in Hz.
-HIGHEST, GUST_END = 3.0, 0.2
+#: Gusts end at this frequency, Hz.
+GUST_END = 0.2
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion of a record, and what came before it.
+    """The motion of the record with a number, `replicate`, and what came before it.
 
     series: Translations of the centre of gravity (m) and angles (rad) in the order of `DOF`, with
         their derivatives and `lead` samples before the record.
@@ -55,6 +54,7 @@ class Motion:
     truth: Truth
     series: Series
     lead: int
+    replicate: int
     bending: Bending | None = None
 
     def locate(self, points: Array, times: Array) -> Array:
@@ -69,11 +69,11 @@ class Motion:
 
 def make_truth(config: BladeConfig, replicate: int, cell: Cell) -> Motion:
     """Make the motion of a record: `replicate` says which random numbers."""
-    record = config.record
+    record, draws = config.record, config.draws(replicate)
     step, steps = 1.0 / record.rate, record.steps
     late = max(max(config.grid.offset), config.sensors.prism_offset)
     lead = min(int(np.ceil(late * record.rate)) + 2, steps)
-    lines = _draw_lines(config, replicate, cell, find_frequencies(steps, step))
+    lines = _draw_lines(config, draws, cell, find_frequencies(steps, step))
     series = sample(lines, steps, step, lead)
     x, v, a = (part[lead:] for part in series)
     angles = [from_heading(part[:, 3:]) for part in (x, v, a)]
@@ -101,30 +101,27 @@ def make_truth(config: BladeConfig, replicate: int, cell: Cell) -> Motion:
         unit_velocity=unit_velocity,
         rate=rate,
         specific_force=np.einsum("nji,nj->ni", rotation, felt),
-        boom=make_boom(config, replicate, lines[:, :3]),
+        boom=make_boom(config, draws, lines[:, :3]),
     )
-    return Motion(truth, series, lead, make_bending(config, replicate, series, steps, lead))
+    bending = make_bending(config, draws, series, steps, lead)
+    return Motion(truth, series, lead, replicate, bending)
 
 
 def _draw_lines(
-    config: BladeConfig, replicate: int, cell: Cell, frequency: Array
+    config: BladeConfig, draws: Draws, cell: Cell, frequency: Array
 ) -> NDArray[np.complex128]:
     """Draw complex amplitudes of all degrees of freedom, in m and rad, shape (lines, 6)."""
-    draws = partial(stream, config.seed, config.study, (), replicate)
-    motion = config.motion
     gusts = np.where(
         (frequency > 0.0) & (frequency <= GUST_END),
-        1.0 / (1.0 + (2.0 * np.pi * frequency * motion.gust_time) ** 2),
+        1.0 / (1.0 + (2.0 * np.pi * frequency * config.motion.gust_time) ** 2),
         0.0,
     )
     lines = np.zeros((len(frequency), len(DOF)), dtype=complex)
     for column, (name, freedom) in enumerate(choose_freedoms(config, cell).items()):
         period, damping, sigma, gust = freedom
-        swing = respond(frequency, period, damping, HIGHEST)
+        swing = respond(frequency, period, damping)
         for words, density, size in (("swing", swing, sigma), ("gust", gusts, gust)):
-            unit = draws(f"{words}_{name}").standard_normal((2, len(frequency)))
-            drawn = np.sqrt(density) * (unit[0] + 1j * unit[1])
-            lines[:, column] += size * scale_to_one(drawn[:, None])[:, 0]
+            lines[:, column] += size * draw_lines(density, draws(f"{words}_{name}"))[:, 0]
     lines[:, 3:] *= np.pi / 180.0
     return lines
 

@@ -19,7 +19,7 @@ def check(config: FloaterConfig) -> None:
     """Raise `InputError` if two values cannot work together, as seen before a record is made."""
     SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
-    check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
+    check_axes(CONTEST, config)
     WORLDS[config.motion.kind].check(config)
     _check_sensors(config)
     _check_times(config)

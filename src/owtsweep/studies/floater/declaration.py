@@ -46,13 +46,6 @@ SIGNALS = {
 UNITS = {**SIGNALS, "velocity": "m/s and rad/s, derivatives of the position"}
 
 
-class Truth(NamedTuple):
-    """The number of a record, and how the structure moves in it."""
-
-    replicate: int
-    motion: Motion
-
-
 class Record(NamedTuple):
     """How the structure moves in a record, and what its sensors say."""
 
@@ -68,12 +61,12 @@ def list_content(config: FloaterConfig) -> dict[str, object]:
     return content
 
 
-def _make_truth(config: FloaterConfig, cell: Cell, replicate: int) -> Truth:
-    return Truth(replicate, make_truth(config, replicate, cell.get("roll")))
+def _make_truth(config: FloaterConfig, cell: Cell, replicate: int) -> Motion:
+    return make_truth(config, replicate, cell.get("roll"))
 
 
-def _measure(config: FloaterConfig, cell: Cell, truth: Truth) -> Record:
-    return Record(truth.motion, measure(config, truth.motion, cell, truth.replicate))
+def _measure(config: FloaterConfig, cell: Cell, motion: Motion) -> Record:
+    return Record(motion, measure(config, motion, cell))
 
 
 def make_setting(config: FloaterConfig, motion: Motion, cell: Cell) -> Setting:
@@ -110,9 +103,7 @@ def make_setting(config: FloaterConfig, motion: Motion, cell: Cell) -> Setting:
         body=body,
         zeros=config.sensors.lost_as == "zeros",
         tuning=tuning,
-        start=None
-        if tuning.start == "report"
-        else np.stack([truth.position[0], truth.velocity[0]]),
+        start=np.stack([truth.position[0], truth.velocity[0]]) if tuning.start == "truth" else None,
     )
 
 

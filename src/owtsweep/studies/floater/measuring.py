@@ -6,7 +6,6 @@ the same draws enlarged.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.sensing.faults import Losses
-from owtsweep.streams import stream
+from owtsweep.streams import Draws
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Measured
@@ -68,12 +67,6 @@ def find_rates(config: FloaterConfig, motion: Motion) -> Array:
     return truth.rate if config.sensors.frame == "body" else truth.velocity[:, 3:]
 
 
-def find_accelerations(config: FloaterConfig, motion: Motion) -> Array:
-    """Return the true accelerations that are measured, shape (steps, 6), or (steps, 3) if fixed."""
-    truth = motion.truth
-    return truth.specific_force if config.sensors.frame == "body" else truth.acceleration
-
-
 def scale_accelerations(config: FloaterConfig, motion: Motion) -> Array:
     """Return the standard deviations of accelerations to which noise and bias refer, (6,) or (3,).
 
@@ -83,9 +76,9 @@ def scale_accelerations(config: FloaterConfig, motion: Motion) -> Array:
     return np.asarray(motion.truth.acceleration[:, :columns].std(axis=0))
 
 
-def measure(config: FloaterConfig, motion: Motion, cell: Cell, replicate: int) -> Measured:
+def measure(config: FloaterConfig, motion: Motion, cell: Cell) -> Measured:
     """Return what the sensors say of a record in a cell of the grid."""
-    draws = partial(stream, config.seed, config.study, (), replicate)
+    draws = config.draws(motion.replicate)
     truth, sensors = motion.truth, config.sensors
     steps, step = len(truth.position), truth.step
     sigmas = find_sigmas(config, motion, cell["snr"])
@@ -108,15 +101,13 @@ def measure(config: FloaterConfig, motion: Motion, cell: Cell, replicate: int) -
     rate = rate + sigmas.rate * draws("rate").standard_normal((steps, 3))
     if wandering is not None:
         rate += wandering[1][:, 3:]
-    felt = find_accelerations(config, motion)
-    columns = felt.shape[1]
-    felt = (
-        felt + sigmas.acceleration * draws("acceleration").standard_normal((steps, 6))[:, :columns]
-    )
-    felt += _draw_bias(config, cell["bias"], draws, steps)[:, :columns] * scale_accelerations(
-        config, motion
-    )
     body = sensors.frame == "body"
+    felt = truth.specific_force if body else truth.acceleration
+    columns = felt.shape[1]
+    noise = draws("acceleration").standard_normal((steps, 6))[:, :columns]
+    bias = _draw_bias(config, cell["bias"], draws, steps)[:, :columns]
+    felt = felt + sigmas.acceleration * noise
+    felt += bias * scale_accelerations(config, motion)
     return Measured(
         step=step,
         position=position,
@@ -148,8 +139,7 @@ def wander(
     return np.cumsum(change, axis=0) - change, velocity
 
 
-def _draw_bias(config: FloaterConfig, bias: float, draws: partial[np.random.Generator],
-               steps: int) -> Array:  # fmt: skip
+def _draw_bias(config: FloaterConfig, bias: float, draws: Draws, steps: int) -> Array:
     """Return biases as parts of the accelerations' standard deviations, shape (steps, 6).
 
     They begin with the size `bias` and a random sign, and wander.

@@ -35,11 +35,11 @@ def read_file(motion: MotionSection) -> Signals:
 
 
 def read_motion(
-    motion: MotionSection, stream: object, span: Span, roll: float | None = None
+    motion: MotionSection, draws: object, span: Span, roll: float | None = None
 ) -> Series:
     """Read a recorded motion; before the record it rests at its first position.
 
-    The samples of `span` are taken from the file's beginning; `stream` and `roll` are not used.
+    The samples of `span` are taken from the file's beginning; `draws` and `roll` are not used.
 
     Raises InputError if the file cannot be used, lacks a column, is too short, or has another step.
     """

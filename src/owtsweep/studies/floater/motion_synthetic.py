@@ -9,27 +9,30 @@ of its peak. Above that there is no motion: an accelerometer would see what a ba
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.motion.lines import Series, Span, find_frequencies, respond, sample, scale_to_one
+from owtsweep.motion.lines import (
+    HIGHEST,
+    Series,
+    Span,
+    find_frequencies,
+    respond,
+    sample,
+    scale_to_one,
+)
+from owtsweep.streams import Draws
 from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.waves import Sea
 
-#: Lines end at this multiple of a natural frequency, and of the waves' peak.
-HIGHEST = 3.0
-#: Returns a new random generator, given a name.
-Stream = Callable[[str], np.random.Generator]
 #: Coupled degrees of freedom: the second follows the first, with a sign.
 COUPLED = {"theta": ("x", 1.0), "phi": ("y", -1.0)}
 
 
 def draw_motion(
-    motion: MotionSection, stream: Stream, span: Span, roll: float | None = None
+    motion: MotionSection, draws: Draws, span: Span, roll: float | None = None
 ) -> Series:
     """Draw a motion of lead + steps samples; the lead is at most as long as the record.
 
@@ -41,8 +44,7 @@ def draw_motion(
              [motion.freedoms[name].waves for name in DOF]]  # fmt: skip
     lines = np.zeros((len(frequency), 6), dtype=complex)
     for words, density, size in zip(("resonance", "waves"), parts, sizes, strict=True):
-        drawn = _draw_lines(density, motion.surge_pitch, stream, words)
-        lines += drawn * np.asarray(size)
+        lines += _draw_lines(density, motion.surge_pitch, draws, words) * np.asarray(size)
     lines[:, 3:] *= np.pi / 180.0
     mean = np.array([motion.freedoms[name].mean for name in DOF])
     mean[3:] = np.deg2rad(mean[3:])
@@ -56,11 +58,8 @@ def draw_motion(
 
 def _describe_resonances(motion: MotionSection, frequency: Array) -> Array:
     """Return spectral densities of the slow parts, up to a factor, shape (lines, 6)."""
-    result = np.zeros((len(frequency), 6))
-    for column, name in enumerate(DOF):
-        resonance = motion.freedoms[name].resonance
-        result[:, column] = respond(frequency, resonance.period, resonance.damping, HIGHEST)
-    return result
+    resonances = [motion.freedoms[name].resonance for name in DOF]
+    return np.column_stack([respond(frequency, each.period, each.damping) for each in resonances])
 
 
 def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
@@ -74,7 +73,7 @@ def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
 
 
 def _draw_lines(
-    density: Array, coupling: float, stream: Stream, words: str
+    density: Array, coupling: float, draws: Draws, words: str
 ) -> NDArray[np.complex128]:
     """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
 
@@ -82,7 +81,7 @@ def _draw_lines(
     """
     units = {}
     for name in DOF:
-        draw = stream(f"{words}_{name}").standard_normal((2, len(density)))
+        draw = draws(f"{words}_{name}").standard_normal((2, len(density)))
         units[name] = (draw[0] + 1j * draw[1]) / np.sqrt(2.0)
     for name, (leader, sign) in COUPLED.items():
         own = np.sqrt(1.0 - coupling**2)
@@ -91,7 +90,7 @@ def _draw_lines(
     return np.asarray(drawn, dtype=np.complex128)
 
 
-def decay(motion: MotionSection, stream: object, span: Span, roll: float | None = None) -> Series:
+def decay(motion: MotionSection, draws: object, span: Span, roll: float | None = None) -> Series:
     """Return a free decay from the deflections `resonance.sigma`, at rest before time 0.
 
     That is a moored buoy, pulled out and released in still water (section 3.2), after the lead.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.angles import find_body_rates, make_rotation
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, Span, interpolate
-from owtsweep.streams import stream
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Truth
 from owtsweep.studies.floater.worlds import WORLDS
@@ -22,11 +20,15 @@ MARGIN = 20
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion of a record, and position and its derivatives with `lead` samples before it."""
+    """The motion of the record with a number, `replicate`.
+
+    series: Position and its derivatives, with `lead` samples before the record.
+    """
 
     truth: Truth
     series: Series
     lead: int
+    replicate: int
 
     def at(self, times: Array) -> Array:
         """Return positions at times in s, shape (n, 6)."""
@@ -43,8 +45,8 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
     record, motion = config.record, config.motion
     step, steps = 1.0 / record.rate, record.steps
     lead = min(int(np.ceil(max(config.grid.delay))) + MARGIN, steps)
-    draws = partial(stream, config.seed, config.study, (), replicate)
-    series = WORLDS[motion.kind].draw(motion, draws, Span(steps, step, lead), roll)
+    span = Span(steps, step, lead)
+    series = WORLDS[motion.kind].draw(motion, config.draws(replicate), span, roll)
     position, velocity, acceleration = (part[lead:] for part in series)
     angles, rates = position[:, 3:], velocity[:, 3:]
     small = motion.attitude == "small"
@@ -56,7 +58,7 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
         rate=rates.copy() if small else find_body_rates(angles, rates),
         specific_force=find_specific_force(angles, acceleration[:, :3], small=small),
     )
-    return Motion(truth, series, lead)
+    return Motion(truth, series, lead, replicate)
 
 
 def find_specific_force(angles: Array, acceleration: Array, *, small: bool) -> Array:

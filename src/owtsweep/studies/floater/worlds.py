@@ -12,13 +12,14 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.io.reading import expand_home, hash_file
-from owtsweep.motion.lines import Series, Span
+from owtsweep.motion.lines import HIGHEST, Series, Span
 from owtsweep.motion.recorded import tell_alone
+from owtsweep.streams import Draws
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.config import FloaterConfig, Motion
 from owtsweep.studies.floater.contract import DOF, Truth
 from owtsweep.studies.floater.motion_recorded import read_file, read_motion
-from owtsweep.studies.floater.motion_synthetic import Stream, decay, draw_motion
+from owtsweep.studies.floater.motion_synthetic import decay, draw_motion
 from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 
 
@@ -26,14 +27,13 @@ from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 class World(ABC):
     """What moves: how it is made (as by `draw_motion`), checked and described."""
 
-    draw: Callable[[Motion, Stream, Span, float | None], Series]
+    draw: Callable[[Motion, Draws, Span, float | None], Series]
 
     @abstractmethod
     def check(self, config: FloaterConfig) -> None:
         """Raise `InputError` if the section `motion` cannot be moved by."""
 
-    @abstractmethod
-    def check_outside(self, config: FloaterConfig) -> None:
+    def check_outside(self, config: FloaterConfig) -> None:  # noqa: B027
         """Raise `InputError` if a file cannot be used."""
 
     @abstractmethod
@@ -71,9 +71,6 @@ class Simulated(World):
         """
         _check_freedoms(config)
         _check_angles(config, self.reach)
-
-    def check_outside(self, config: FloaterConfig) -> None:
-        """Nothing is outside of the configuration."""
 
     def describe(self, motion: Motion) -> str:
         """Return kind and natural periods."""
@@ -170,7 +167,7 @@ def _check_freedoms(config: FloaterConfig) -> None:
             f"motion.freedoms.{name}: it does not move, so no error is relative to it; give it a "
             "small motion",
         )
-        highest = 3.0 / min(freedom.resonance.period, motion.wave_period)
+        highest = HIGHEST / min(freedom.resonance.period, motion.wave_period)
         require(
             record.rate >= 2.0 * highest,
             f"record.rate: {record.rate:g} Hz cannot show motion up to {highest:.4g} Hz ({name}); "
@@ -190,21 +187,21 @@ def _check_angles(config: FloaterConfig, times: float) -> None:
     most = 90.0 if angled else 180.0
     who = f", where Euler angles fail ({', '.join(angled)})" if angled else ""
     instead = ", or schemes=[ERROR_STATE]" if angled else ""
-    of_roll, of_pitch = motion.freedoms["phi"], motion.freedoms["theta"]
-    for freedom, name, limit in ((of_roll, "phi", most), (of_pitch, "theta", 90.0)):
+    checked = {"phi": (most, who, instead), "theta": (90.0, ", where Euler angles fail", "")}
+    if grid.roll is not None:
+        checked.pop("phi")
+        mean = abs(motion.freedoms["phi"].mean)
+        free = max(np.floor((most - mean) / times - 1e-9), 0.0)
+        require(
+            mean + times * max(grid.roll) < most,
+            f"grid.roll: {max(grid.roll):g} deg reaches {most:g} deg{who}; give at most "
+            f"{free:g}{instead}",
+        )
+    for name, (limit, where, otherwise) in checked.items():
+        freedom = motion.freedoms[name]
         own = times * np.hypot(freedom.resonance.sigma, freedom.waves)
-        if name == "phi" and grid.roll is not None:
-            reach = abs(freedom.mean) + times * max(grid.roll)
-            free = max(np.floor((limit - abs(freedom.mean)) / times - 1e-9), 0.0)
-            require(
-                reach < limit,
-                f"grid.roll: {max(grid.roll):g} deg reaches {limit:g} deg{who}; give at most "
-                f"{free:g}{instead}",
-            )
-            continue
         require(
             abs(freedom.mean) + own < limit,
             f"motion.freedoms.{name}: a mean of {freedom.mean:g} deg and {own:.3g} deg about it "
-            f"reach {limit:g} deg{who if name == 'phi' else ', where Euler angles fail'}; give "
-            f"less motion{instead if name == 'phi' else ''}",
+            f"reach {limit:g} deg{where}; give less motion{otherwise}",
         )

@@ -20,7 +20,7 @@ OURS = (
 
 def check(config: MatingConfig) -> None:
     """Raise `InputError` if what can be known without the other studies does not fit together."""
-    check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
+    check_axes(CONTEST, config)
     config.record.check_samples(MOST_SAMPLES)
     judged = config.record.duration - config.record.settling
     require(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.mating.joining import Relative
@@ -56,8 +57,8 @@ def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -
     )
     chances = compare_chances(can, said)
     found = {
-        "relative": _rms(error),
-        "speed": _rms(speed),
+        "relative": compute_rms_length(error),
+        "speed": compute_rms_length(speed),
         "wrong": chances.wrong,
         "chance": chances.true,
         "told": chances.estimated,
@@ -65,8 +66,7 @@ def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -
         "false": chances.false,
     }
     if estimated.covariance is not None:
-        solved = np.linalg.solve(estimated.covariance[settled:], error[:, :, None])[:, :, 0]
-        found["nees"] = float(np.mean(error * solved))
+        found["nees"] = average_nees(error, estimated.covariance[settled:])
     return {name: value for name, value in found.items() if not np.isnan(value)}
 
 
@@ -74,11 +74,6 @@ def list_measures(names: Iterable[str]) -> list[str]:
     """Return measures in the order of tables: criteria, then the others."""
     names = set(names)
     return [name for name in (*CRITERIA, WAIT, *OTHERS) if name in names]
-
-
-def _rms(errors: Array) -> float:
-    """Return the root of the mean over samples of squared lengths, errors (n, 3)."""
-    return float(np.sqrt(np.mean(np.sum(errors**2, axis=1))))
 
 
 class Limits(NamedTuple):

@@ -85,16 +85,15 @@ def describe_errors(config: TowerConfig) -> str:
 def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
     """Return in words what 1 % of noise is, and the assumed noise of inclinometers."""
     lines: list[str] = []
-    sentences = []
-    for name, (words, unit, size) in NOISES.items():
-        part = summary[summary["measure"] == name]
-        if len(part):
-            sentences.append(
-                f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}"
-            )
-    if sentences:
+    measured = {name: summary[summary["measure"] == name] for name in NOISES}
+    noises = [
+        f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}"
+        for part, (words, unit, size) in zip(measured.values(), NOISES.values(), strict=True)
+        if len(part)
+    ]
+    if noises:
         lines.append(
-            f"At 1 % of noise the quietest {', the quietest '.join(sentences)}, fore-aft "
+            f"At 1 % of noise the quietest {', the quietest '.join(noises)}, fore-aft "
             f"(standard deviation per sample at {config.record.rate:g} Hz)."
         )
     if config.sensors.inclinometers or "inclinometers" in config.sensors.every_node:
@@ -109,10 +108,10 @@ def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
 
 def describe_sight(config: TowerConfig) -> list[str]:
     """Say in a few lines what the set-up sees in each direction, and why it misses the rest."""
-    setting, places = set_up(config)
-    seen, names = observe(setting)
-    missed = find_missed(seen, names)
-    kinds = {place.kind for place in places}
+    setting = set_up(config)
+    seen = observe(setting)
+    missed = find_missed(setting, seen)
+    kinds = {channel.kind for channel in setting.channels}
     lines = [
         f"Of a direction's motion and loads, sensors {config.sensors.name} see {seen.rank} of "
         f"{seen.states} states (rank by PBH); what is seen has a condition number of up to "

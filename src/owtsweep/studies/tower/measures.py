@@ -168,12 +168,11 @@ def find_quietest(channels: Sequence[Channel]) -> dict[str, float]:
 
     Keys are those of `QUIETEST`; a kind that no channel of the direction has is left out.
     """
-    found: dict[str, float] = {}
-    for kind, name in QUIETEST.items():
-        noises = [channel.sigma for channel in channels if channel.kind == kind]
-        if noises:
-            found[name] = min(noises)
-    return found
+    noises = {
+        name: [channel.sigma for channel in channels if channel.kind == kind]
+        for kind, name in QUIETEST.items()
+    }
+    return {name: min(each) for name, each in noises.items() if each}
 
 
 def list_measures(names: Iterable[str]) -> list[str]:

@@ -130,7 +130,7 @@ def model_whole(setting: Setting, *, wave: bool = False) -> Model:
     )
 
 
-def list_interfaces(cut: PlaneBeam) -> Array:
+def list_interfaces(cut: PlaneBeam) -> NDArray[np.intp]:
     """Return the degrees of freedom of a cut structure on which F0, M0, F175, M175 act."""
     dof = len(cut.mass)
     return np.array([0, 1, dof - 2, dof - 1])
@@ -163,7 +163,7 @@ def balance_loads(setting: Setting, basis: Array) -> tuple[Array, Array, Array]:
     M175. Waves are left out, see `balance_wave`. The module's head says which balance this is.
     """
     at, interfaces = list_whole_dof(setting), list_interfaces(setting.cut)
-    rigid, upper = _rigid_work(setting)
+    rigid = move_rigidly(setting.cut)
     results = []
     for whole, cut in (
         (setting.whole.stiffness, setting.cut.stiffness),
@@ -176,14 +176,26 @@ def balance_loads(setting: Setting, basis: Array) -> tuple[Array, Array, Array]:
         neighbour[:, at[2:]] = 0.0
         low = -neighbour @ basis
         work = rigid.T @ (cut @ basis[at]) - rigid[interfaces[:2]].T @ low
-        results.append(np.vstack([low, np.linalg.solve(upper, work)]))
+        results.append(np.vstack([low, np.linalg.solve(rigid[-2:].T, work)]))
     return results[0], results[1], results[2]
 
 
 def balance_wave(setting: Setting) -> Array:
     """Return what a unit wave load takes from F175 and M175 in the balance, shape (2,)."""
-    rigid, upper = _rigid_work(setting)
-    return np.asarray(np.linalg.solve(upper, rigid.T @ setting.wave_shape))
+    rigid = move_rigidly(setting.cut)
+    return np.asarray(np.linalg.solve(rigid[-2:].T, rigid.T @ setting.wave_shape))
+
+
+def move_rigidly(cut: PlaneBeam) -> Array:
+    """Return the displacements of a unit translation, and of a unit rotation about the ground.
+
+    The shape is (dof, 2).
+    """
+    rigid = np.zeros((len(cut.mass), 2))
+    rigid[0::2, 0] = 1.0
+    rigid[0::2, 1] = cut.heights - cut.heights[0]
+    rigid[1::2, 1] = 1.0
+    return rigid
 
 
 def observe(
@@ -213,6 +225,19 @@ def see(channel: Channel, shapes: Array, strain: Array) -> Array:
     return np.asarray(shapes[2 * channel.node + (channel.kind == "theta")])
 
 
+def decompose(seen: Array, weight: Array) -> tuple[int, Array]:
+    """Return how many shapes sensors tell apart, and the coordinates of shapes for unit signals.
+
+    By weighted least squares, with columns of one size. `seen` is what sensors read of unit
+    coordinates, times their `weight`, shapes (sensors, shapes) and (sensors,); coordinates have the
+    shape (shapes, sensors).
+    """
+    size = np.linalg.norm(seen, axis=0)
+    size[size == 0.0] = 1.0
+    rank = int(np.linalg.matrix_rank(seen / size))
+    return rank, np.linalg.pinv(seen / size) * weight / size[:, None]
+
+
 def _accelerate(reduced: Reduced, damping: Array, loads: Array) -> tuple[Array, Array]:
     """Return the acceleration of coordinates for unit states and unit inputs (Eq. 3)."""
     return np.hstack([-reduced.stiffness, -damping]), reduced.basis.T @ loads
@@ -231,12 +256,3 @@ def _discretise(
     B = np.vstack([np.zeros_like(drive), drive])
     G, J = observe(setting.channels, shapes, setting.strain, rate, drive)
     return hold_inputs(A, B, G, J, setting.step)
-
-
-def _rigid_work(setting: Setting) -> tuple[Array, Array]:
-    """Return translation and rotation about the ground (dof, 2), and the upper loads' work."""
-    rigid = np.zeros((len(setting.cut.mass), 2))
-    rigid[0::2, 0] = 1.0
-    rigid[0::2, 1] = setting.cut.heights - setting.cut.heights[0]
-    rigid[1::2, 1] = 1.0
-    return rigid, rigid[-2:].T

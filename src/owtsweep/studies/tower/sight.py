@@ -20,7 +20,7 @@ from owtsweep.estimation.observability import Observability, find_unobservable
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting
-from owtsweep.studies.tower.measuring import Place, list_places
+from owtsweep.studies.tower.measuring import list_places
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import check_seen
@@ -51,7 +51,7 @@ def require_sight(config: TowerConfig) -> None:
 
 
 def _require_sight(config: TowerConfig) -> None:
-    setting, places = set_up(config)
+    setting = set_up(config)
     if _sees_bending(setting):
         return
     reasons = []
@@ -63,31 +63,25 @@ def _require_sight(config: TowerConfig) -> None:
             reasons.append(str(reason))
         else:
             return
-    loads = [name for name in INPUTS if name in find_missed(*observe(setting))]
+    loads = [name for name in INPUTS if name in find_missed(setting, observe(setting))]
     text = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
     raise InputError(
         f"sensors: no scheme can work with the set-up {config.sensors.name}: {text}; "
-        f"{_advise(setting, places, config.structure.mudline)}"
+        f"{_advise(setting, config.structure.mudline)}"
     )
 
 
-def set_up(config: TowerConfig) -> tuple[Setting, list[Place]]:
-    """Return the setting fore-aft with nominal noise, and the channels' places."""
-    part = model_substructure(config)
-    places = list_places(config.sensors, config.nodes)
+def set_up(config: TowerConfig) -> Setting:
+    """Return the setting fore-aft with nominal noise."""
+    part, places = model_substructure(config), list_places(config.sensors, config.nodes)
+    channels = [Channel(place.kind, place.node, NOMINAL[place.kind]) for place in places]
     priors = make_priors(config.filters, 1.0 / config.record.rate, None)
-    setting = make_setting(config, part, DIRECTIONS[0], 1.0, _equip(places), priors)
-    return setting, places
+    return make_setting(config, part, DIRECTIONS[0], 1.0, channels, priors)
 
 
-def _equip(places: Sequence[Place]) -> tuple[Channel, ...]:
-    return tuple(Channel(place.kind, place.node, NOMINAL[place.kind]) for place in places)
-
-
-def observe(setting: Setting) -> tuple[Observability, list[str]]:
+def observe(setting: Setting) -> Observability:
     discrete = model_cut(setting).discrete
-    F, H = augment(discrete, np.eye(discrete.B.shape[1]))
-    return find_unobservable(F, H), _name_states(setting)
+    return find_unobservable(*augment(discrete, np.eye(discrete.B.shape[1])))
 
 
 def _name_states(setting: Setting) -> list[str]:
@@ -100,9 +94,10 @@ def _name_states(setting: Setting) -> list[str]:
     return [*coordinates, *(f"rate of {name}" for name in coordinates), *INPUTS]
 
 
-def find_missed(seen: Observability, names: Sequence[str]) -> set[str]:
-    """Return the names of states that have a part in what is unseen."""
+def find_missed(setting: Setting, seen: Observability) -> set[str]:
+    """Return the names of states and loads that have a part in what is unseen."""
     parts = [np.abs(found.directions).max(axis=1) for found in seen.unseen]
+    names = _name_states(setting)
     return {name for part in parts for name, size in zip(names, part, strict=True) if size > NAMED}
 
 
@@ -116,25 +111,26 @@ def _sees_bending(setting: Setting) -> bool:
 
 
 def _count_unseen(setting: Setting) -> int:
-    seen, _ = observe(setting)
+    seen = observe(setting)
     return seen.states - seen.rank
 
 
-def _advise(setting: Setting, places: Sequence[Place], ground: float) -> str:
+def _advise(setting: Setting, ground: float) -> str:
     heights = setting.cut.heights
-    chosen: list[Place] = []
+    chosen: list[int] = []
     while not _sees_bending(setting):
         unseen = _count_unseen(setting)
-        taken = [p.node for p in (*places, *chosen) if p.kind in ("theta", "x")]
+        taken = [each.node for each in setting.channels if each.kind in ("theta", "x")]
         for node in _order_by_distance(heights, taken):
-            added = replace(setting, channels=(*setting.channels, *_equip([Place("theta", node)])))
+            further = Channel("theta", node, NOMINAL["theta"])
+            added = replace(setting, channels=(*setting.channels, further))
             if _count_unseen(added) < unseen:
                 setting = added
-                chosen.append(Place("theta", node))
+                chosen.append(node)
                 break
         else:
             return "add inclinometers and accelerometers at more heights"
-    *others, last = (f"{heights[place.node] - ground:g}" for place in sorted(chosen))
+    *others, last = (f"{heights[node] - ground:g}" for node in sorted(chosen))
     if not others:
         return f"add an inclinometer at {last} m"
     return f"add inclinometers at {', '.join(others)} and {last} m"

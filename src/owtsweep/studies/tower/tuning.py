@@ -44,10 +44,8 @@ class Tuning(Section):
 
     def find_rate_noise(self, waves: bool) -> float:
         """Return the variance per step of the rates of mass-normalised modes."""
-        for value in (self.rate_noise_in_waves if waves else None, self.rate_noise):
-            if value is not None:
-                return value
-        return self.process_noise
+        in_waves = self.rate_noise_in_waves if waves else None
+        return in_waves or self.rate_noise or self.process_noise  # none of them is ever 0
 
 
 class Tuned(Section):

@@ -53,11 +53,7 @@ class SteadyPredictor:
                 start, (estimate[i], nis[i]),
             )  # fmt: skip
         predict_ahead(self.setting, estimate, acceleration)
-        return Estimates(
-            *part_columns(estimate),
-            self.covariance[None],
-            nis.T,
-        )
+        return Estimates(*part_columns(estimate), self.covariance[None], nis.T)
 
 
 def prepare_steady(setting: Setting) -> SteadyPredictor:
@@ -91,11 +87,7 @@ def predict_all(setting: Setting, measured: Measured) -> Estimates:
             start[i], before[i], (estimate[i], covariance[i], nis[i]),
         )  # fmt: skip
     predict_ahead(setting, estimate, acceleration)
-    return Estimates(
-        *part_columns(estimate),
-        covariance.transpose(1, 0, 2, 3),
-        nis.T,
-    )
+    return Estimates(*part_columns(estimate), covariance.transpose(1, 0, 2, 3), nis.T)
 
 
 def process_noise(setting: Setting) -> Array:

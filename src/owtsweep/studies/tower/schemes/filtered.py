@@ -67,14 +67,12 @@ class FilterScheme(Scheme):
 
     any_input: whether inputs may be anything, so that sensors must tell all of them apart. Inputs
         that fade by themselves need not be seen.
-    linear: whether estimates are linear in the measurements.
     """
 
     name: str
     model: Callable[[Setting], Model]
     tune: Callable[[Setting, Model], Settled]
     any_input: bool = True
-    linear: bool = True
 
     def prepare(self, setting: Setting) -> Filtered:
         """Compute the gains for a setting.

@@ -29,7 +29,13 @@ from owtsweep.arrays import Array
 from owtsweep.structures.reduction import reduce_held
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
-from owtsweep.studies.tower.models import balance_loads, list_whole_dof, respond_statically, see
+from owtsweep.studies.tower.models import (
+    balance_loads,
+    decompose,
+    list_whole_dof,
+    respond_statically,
+    see,
+)
 
 #: Where the quasi-static band ends and the upper one begins, over the first natural frequency.
 SPLIT, UPPER = 0.8, 1.8
@@ -86,7 +92,6 @@ class MDE(Scheme):
     """The scheme MDE."""
 
     name = "MDE"
-    linear = True
 
     def prepare(self, setting: Setting) -> Expansion:
         """Compute shapes, and coordinates from sensors.
@@ -123,7 +128,7 @@ def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expand
     differ in unit, and are weighted by their noise.
     """
     shapes = whole_shapes[list_whole_dof(setting)]
-    decompose = np.zeros((shapes.shape[1], len(setting.channels)))
+    coordinates = np.zeros((shapes.shape[1], len(setting.channels)))
     if numbers:
         sensors = [setting.channels[i] for i in numbers]
         weight = np.array([1.0 if s.kind == "a" else 1.0 / s.sigma for s in sensors])
@@ -133,15 +138,12 @@ def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expand
                 for s in sensors
             ]
         )
-        size = np.linalg.norm(seen, axis=0)
-        size[size == 0.0] = 1.0
-        rank = int(np.linalg.matrix_rank(seen / size))
+        rank, coordinates[:, numbers] = decompose(seen, weight)
         if rank < shapes.shape[1]:
             raise Unable(
                 f"MDE is blind: its sensors see {rank} of {shapes.shape[1]} shapes of a band"
             )
-        decompose[:, numbers] = np.linalg.pinv(seen / size) * weight / size[:, None]
-    return Expander(decompose, shapes, balance_loads(setting, whole_shapes))
+    return Expander(coordinates, shapes, balance_loads(setting, whole_shapes))
 
 
 class Bands:

@@ -23,7 +23,13 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import Channel, Estimates, Scheme, Setting
-from owtsweep.studies.tower.models import list_whole_dof, respond_statically, see
+from owtsweep.studies.tower.models import (
+    decompose,
+    list_whole_dof,
+    move_rigidly,
+    respond_statically,
+    see,
+)
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,6 @@ class QuasiStatic(Scheme):
     """The scheme QUASI_STATIC."""
 
     name = "QUASI_STATIC"
-    linear = True
 
     def prepare(self, setting: Setting) -> Shapes:
         """Compute static shapes, and their coordinates from sensors.
@@ -57,15 +62,14 @@ class QuasiStatic(Scheme):
         Raise `Unable` if the sensors do not tell the shapes apart.
         """
         cut, channels = setting.cut, setting.channels
-        height = cut.heights - cut.heights[0]
+        height = cut.heights[-1] - cut.heights[0]
         shapes = np.zeros((len(cut.mass), 4))
-        shapes[0::2, 0] = 1.0
-        shapes[0::2, 1], shapes[1::2, 1] = height, 1.0
+        shapes[:, :2] = move_rigidly(cut)
         force = np.zeros((len(cut.mass) - 2, 2))
         force[-2:] = np.eye(2)
         shapes[2:, 2:] = np.linalg.solve(cut.stiffness[2:, 2:], force)  # the ground held
         loads = np.zeros((4, 4))
-        loads[:, 2] = [-1.0, -height[-1], 1.0, 0.0]
+        loads[:, 2] = [-1.0, -height, 1.0, 0.0]
         loads[:, 3] = [0.0, -1.0, 0.0, 1.0]
         if not any(channel.kind == "x" for channel in channels):
             shapes, loads = shapes[:, 1:], loads[:, 1:]  # no sensor feels translation
@@ -75,16 +79,14 @@ class QuasiStatic(Scheme):
             if channel.kind != "a":
                 weight[row] = 1.0 / channel.sigma
                 seen[row] = see(channel, shapes, setting.strain) * weight[row]
-        size = np.linalg.norm(seen, axis=0)
-        size[size == 0.0] = 1.0
-        rank = int(np.linalg.matrix_rank(seen / size))
+        rank, coordinates = decompose(seen, weight)
         if rank < shapes.shape[1]:
             raise Unable(
                 f"QUASI_STATIC is blind: its sensors (accelerometers do not count) see {rank} of "
                 f"{shapes.shape[1]} static shapes; it needs inclinometers at "
                 f"{shapes.shape[1]} heights"
             )
-        return Shapes(np.linalg.pinv(seen / size) * weight / size[:, None], shapes, loads)
+        return Shapes(coordinates, shapes, loads)
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,6 @@ class ThrustLever(Scheme):
     """The scheme THRUST_LEVER."""
 
     name = "THRUST_LEVER"
-    linear = True
 
     def prepare(self, setting: Setting) -> Lever:
         """Choose the sensor and compute the static response.
