@@ -85,7 +85,7 @@ def judge(values: Array) -> Contest:
     the shape (periods, amplitudes).
     """
     result = contest(values.reshape(len(values), -1, 1))
-    return Contest(*(each.reshape(values.shape[1:]) for each in result))
+    return Contest._make(each.reshape(values.shape[1:]) for each in result)
 
 
 def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:
