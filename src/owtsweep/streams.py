@@ -7,10 +7,10 @@ from zlib import crc32
 
 import numpy as np
 
-__all__ = ["Draws", "stream"]
+__all__ = ["Streams", "stream"]
 
 #: Returns a new random generator of one record, given the name of what is drawn.
-Draws = Callable[[str], np.random.Generator]
+Streams = Callable[[str], np.random.Generator]
 
 
 def stream(

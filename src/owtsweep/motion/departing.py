@@ -5,7 +5,7 @@ Each is a source along one direction, made of another source or of spectra.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from owtsweep.arrays import Array
 from owtsweep.motion.modulation import Modulation
 from owtsweep.motion.source import DerivedSource, Motion
 from owtsweep.motion.spectra import Spectrum
+from owtsweep.streams import Streams
 
 #: Samples that a paced motion has beyond its ends, for the spline.
 MARGIN = 4
@@ -46,14 +47,7 @@ class PacedSource(DerivedSource):
     pace: Modulation
     normalise: str
 
-    def realise(
-        self,
-        stream: Callable[[str], np.random.Generator],
-        *,
-        steps: int,
-        step: float,
-        history: int = 0,
-    ) -> Motion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Draw one record of the motion; arguments and errors are those of `Source.realise`."""
         from scipy.interpolate import CubicSpline
 
@@ -88,14 +82,7 @@ class StretchedSource(DerivedSource):
         own = self.source.duration
         return None if own is None else self.factor * own
 
-    def realise(
-        self,
-        stream: Callable[[str], np.random.Generator],
-        *,
-        steps: int,
-        step: float,
-        history: int = 0,
-    ) -> Motion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Draw one record of the motion; arguments and errors are those of `Source.realise`."""
         k = self.factor
         own = self.source.realise(stream, steps=steps, step=step / k, history=history)

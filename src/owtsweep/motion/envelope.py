@@ -8,7 +8,7 @@ computed once for all numbers of blades and all soils.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -19,6 +19,7 @@ from owtsweep.errors import require
 from owtsweep.motion import whittle
 from owtsweep.motion.plant import Plant, compute_forces, respond
 from owtsweep.motion.synthesis import interleaved
+from owtsweep.streams import Streams
 from owtsweep.structures import Modes, Structure
 from owtsweep.waves import Sea, draw_waves
 
@@ -48,7 +49,7 @@ def list_seas() -> list[Sea]:
 def compute_points(
     structure: Structure,
     seas: Sequence[Sea],
-    stream: Callable[[str], np.random.Generator],
+    stream: Streams,
     *,
     duration: float,
     blades: Sequence[int] = BLADES,

@@ -6,7 +6,7 @@ derivatives of the product e d.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,6 +15,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion.source import DerivedSource, Motion
+from owtsweep.streams import Streams
 
 #: Number of steps that are modulated at once, so that long records need no second copy.
 AT_ONCE = 65536
@@ -108,14 +109,7 @@ class ModulatedSource(DerivedSource):
 
     modulation: Modulation
 
-    def realise(
-        self,
-        stream: Callable[[str], np.random.Generator],
-        *,
-        steps: int,
-        step: float,
-        history: int = 0,
-    ) -> Motion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Draw one record of the motion; arguments and errors are those of `Source.realise`."""
         motion = self.source.realise(stream, steps=steps, step=step, history=history)
         return modulate(motion, self.modulation)

@@ -10,7 +10,6 @@ the hub by some millimetres (docs/plant.md has the estimate), against .1 to .3 m
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -22,6 +21,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion.source import Motion
 from owtsweep.motion.synthesis import interleaved
+from owtsweep.streams import Streams
 from owtsweep.structures import Modes, Structure, compute_modes
 from owtsweep.waves import Cylinder, Sea, Waves, drag_force, draw_waves, inertia_force
 
@@ -75,14 +75,7 @@ class Plant:
         """The modes of the structure with its blades."""
         return compute_modes(self.structure, self.modes, self.blades)
 
-    def realise(
-        self,
-        stream: Callable[[str], np.random.Generator],
-        *,
-        steps: int,
-        step: float,
-        history: int = 0,
-    ) -> PlantMotion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> PlantMotion:
         """Draw one record of any length, as `Source.realise` says; the stream is "phase".
 
         Raise `InputError` if the record is too short for waves, or the structure has no such modes.

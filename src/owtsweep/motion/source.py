@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.streams import Streams
 
 
 @dataclass(frozen=True)
@@ -69,14 +69,7 @@ class Source(Protocol):
     @property
     def duration(self) -> float | None: ...
 
-    def realise(
-        self,
-        stream: Callable[[str], np.random.Generator],
-        *,
-        steps: int,
-        step: float,
-        history: int = 0,
-    ) -> Motion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Return one realisation of the motion.
 
         Raise `InputError` if the source cannot give a record of this length; the message says what

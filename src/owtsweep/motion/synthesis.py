@@ -5,7 +5,6 @@ Velocity and acceleration are the exact derivatives of the position.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar, Protocol
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.source import Motion
+from owtsweep.streams import Streams
 
 #: Least length of a short transform divided by the number of the last line. A larger value makes
 #: the transforms longer; a smaller one needs more factors to multiply the lines with.
@@ -242,14 +242,7 @@ class SpectralSource:
     streams: ClassVar[tuple[str, ...]] = ("phase",)
     duration: ClassVar[None] = None
 
-    def realise(
-        self,
-        stream: Callable[[str], np.random.Generator],
-        *,
-        steps: int,
-        step: float,
-        history: int = 0,
-    ) -> Motion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Draw one record of any length, as `Source.realise` says; the stream is "phase".
 
         Raise `InputError` if no spectral line lies in the band, or `normalise` is neither "peak"

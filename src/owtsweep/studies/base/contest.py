@@ -14,7 +14,7 @@ from owtsweep.config.records import Records
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH
-from owtsweep.streams import Draws, stream
+from owtsweep.streams import Streams, stream
 from owtsweep.studies.base.axes import Axes
 from owtsweep.studies.base.costs import Costs
 
@@ -48,7 +48,7 @@ class ContestConfig(Config):
     def records(self) -> Records:
         return self.grid
 
-    def draws(self, replicate: int) -> Draws:
+    def draws(self, replicate: int) -> Streams:
         """Return the random streams of the record with a number, which no condition changes."""
         return partial(stream, self.seed, self.study, (), replicate)
 

@@ -17,7 +17,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.angles import from_heading, make_rotation
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, draw_lines, find_frequencies, respond, sample
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import PRISMS, UNIT
 
@@ -51,7 +51,7 @@ class Bending:
 
 
 def make_bending(
-    config: BladeConfig, draws: Draws, series: Series, steps: int, lead: int
+    config: BladeConfig, draws: Streams, series: Series, steps: int, lead: int
 ) -> Bending | None:
     """Return the bending of a record whose rigid motion is `series`; None if nothing bends.
 

@@ -15,7 +15,7 @@ from owtsweep.estimation.double_integration import RATE, decimate, integrate_twi
 from owtsweep.evaluation.measures import compute_rms_length
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import draw_lines, find_frequencies, respond, sample
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Accelerations, BoomMotion
 
@@ -23,7 +23,7 @@ from owtsweep.studies.blade.contract import Accelerations, BoomMotion
 ENDS = 20.0
 
 
-def make_boom(config: BladeConfig, draws: Draws, swing: NDArray[np.complex128]) -> BoomMotion:
+def make_boom(config: BladeConfig, draws: Streams, swing: NDArray[np.complex128]) -> BoomMotion:
     """Return the motion of the boom's tip in a record.
 
     Each mode has a random stream of its own. `swing` holds complex amplitudes of the translations
@@ -43,7 +43,7 @@ def make_boom(config: BladeConfig, draws: Draws, swing: NDArray[np.complex128]) 
     return BoomMotion(boom.rate, series.position, series.acceleration)
 
 
-def measure_boom(config: BladeConfig, draws: Draws, motion: BoomMotion) -> Accelerations:
+def measure_boom(config: BladeConfig, draws: Streams, motion: BoomMotion) -> Accelerations:
     """Return what the accelerometers on the boom's tip say: with gravity, a bias and noise."""
     bias = config.boom.bias * draws("boom_bias").standard_normal(3)
     noise = config.boom.noise * draws("boom_noise").standard_normal(motion.acceleration.shape)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.sensing.faults import draw_outliers
 from owtsweep.sensing.noise import draw_gauss_markov
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.boom import measure_boom
 from owtsweep.studies.blade.config import BladeConfig
@@ -69,7 +69,7 @@ def measure(config: BladeConfig, motion: Motion, cell: Cell) -> Measured:
     )
 
 
-def draw_biases(unit: Unit, draws: Draws, steps: int, step: float) -> tuple[Array, Array]:
+def draw_biases(unit: Unit, draws: Streams, steps: int, step: float) -> tuple[Array, Array]:
     """Return biases of accelerometers (m/s^2) and gyroscopes (rad/s), shape (steps, 3) each."""
     biases = []
     for name, size, walk in (
@@ -121,7 +121,7 @@ def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: 
 
 
 def draw_errors(
-    receiver: Receiver, draws: Draws, count: int, interval: float, vertical: float
+    receiver: Receiver, draws: Streams, count: int, interval: float, vertical: float
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Draw the errors of successive fixes, m, (count, 3), and which are float solutions, (count,).
 

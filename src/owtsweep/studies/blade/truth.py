@@ -30,7 +30,7 @@ from owtsweep.motion.lines import (
     respond,
     sample,
 )
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.bending import Bending, make_bending
 from owtsweep.studies.blade.boom import make_boom
@@ -108,7 +108,7 @@ def make_truth(config: BladeConfig, replicate: int, cell: Cell) -> Motion:
 
 
 def _draw_lines(
-    config: BladeConfig, draws: Draws, cell: Cell, frequency: Array
+    config: BladeConfig, draws: Streams, cell: Cell, frequency: Array
 ) -> NDArray[np.complex128]:
     """Draw complex amplitudes of all degrees of freedom, in m and rad, shape (lines, 6)."""
     gusts = np.where(

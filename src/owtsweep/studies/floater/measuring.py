@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.sensing.faults import Losses
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Measured
@@ -139,7 +139,7 @@ def wander(
     return np.cumsum(change, axis=0) - change, velocity
 
 
-def _draw_bias(config: FloaterConfig, bias: float, draws: Draws, steps: int) -> Array:
+def _draw_bias(config: FloaterConfig, bias: float, draws: Streams, steps: int) -> Array:
     """Return biases as parts of the accelerations' standard deviations, shape (steps, 6).
 
     They begin with the size `bias` and a random sign, and wander.

@@ -22,7 +22,7 @@ from owtsweep.motion.lines import (
     sample,
     scale_to_one,
 )
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.waves import Sea
@@ -32,7 +32,7 @@ COUPLED = {"theta": ("x", 1.0), "phi": ("y", -1.0)}
 
 
 def draw_motion(
-    motion: MotionSection, draws: Draws, span: Span, roll: float | None = None
+    motion: MotionSection, draws: Streams, span: Span, roll: float | None = None
 ) -> Series:
     """Draw a motion of lead + steps samples; the lead is at most as long as the record.
 
@@ -73,7 +73,7 @@ def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
 
 
 def _draw_lines(
-    density: Array, coupling: float, draws: Draws, words: str
+    density: Array, coupling: float, draws: Streams, words: str
 ) -> NDArray[np.complex128]:
     """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
 

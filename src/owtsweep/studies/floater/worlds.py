@@ -14,7 +14,7 @@ from owtsweep.config import require
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.motion.lines import HIGHEST, Series, Span
 from owtsweep.motion.recorded import tell_alone
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.config import FloaterConfig, Motion
 from owtsweep.studies.floater.contract import DOF, Truth
@@ -27,7 +27,7 @@ from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 class World(ABC):
     """What moves: how it is made (as by `draw_motion`), checked and described."""
 
-    draw: Callable[[Motion, Draws, Span, float | None], Series]
+    draw: Callable[[Motion, Streams, Span, float | None], Series]
 
     @abstractmethod
     def check(self, config: FloaterConfig) -> None:

@@ -12,7 +12,7 @@ from owtsweep.errors import require
 from owtsweep.gravity import GRAVITY
 from owtsweep.sensing.faults import Losses
 from owtsweep.sensing.noise import WienerBias
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.contract import Kind
 from owtsweep.studies.tower.sections import KINDS, Faults, Sensors
@@ -92,7 +92,7 @@ def add_errors(
     signals: Array,
     sigma: Array,
     faults: Faults,
-    draws: Draws,
+    draws: Streams,
     names: Sequence[str],
     step: float,
 ) -> Array:

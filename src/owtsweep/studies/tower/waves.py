@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.plant import compute_forces
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.sections import SeaState
@@ -40,7 +40,7 @@ def make_wave_loads(
     structure: Structure,
     beam: PlaneBeam,
     sea: SeaState,
-    draws: Draws,
+    draws: Streams,
     *,
     steps: int,
     step: float,

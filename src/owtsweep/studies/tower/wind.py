@@ -16,7 +16,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.formats.streams import TextStream
-from owtsweep.streams import Draws
+from owtsweep.streams import Streams
 from owtsweep.studies.tower.sections import TopLoad, Wind
 
 #: Length scale of the longitudinal component, m (IEC 61400-1:2019, 6.3.1 and C.14).
@@ -27,7 +27,7 @@ LINE_WIDTH = 0.02
 NAMES = ("thrust", "moment", "side", "side_moment")
 
 
-def make_top_loads(wind: Wind, draws: Draws, *, steps: int, step: float, lead: int = 0) -> Array:
+def make_top_loads(wind: Wind, draws: Streams, *, steps: int, step: float, lead: int = 0) -> Array:
     """Draw the loads on the top, or read them from the file of the configuration.
 
     They are in N and N m in the order of `NAMES`, shape (lead + steps, 4); `step` is in s. There
