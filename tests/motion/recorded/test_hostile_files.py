@@ -190,14 +190,14 @@ def test_one_bad_column_among_thousands_is_found_in_few_reads(tmp_path: Path) ->
     opened = open_table(tmp_path / "r.csv")
     reads: list[int] = []
 
-    def load(wanted, rows):
-        reads.append(len(wanted))
-        return opened.load(wanted, rows)
+    def read(places, rows):
+        reads.append(len(places))
+        return opened.read(places, rows)
 
     from dataclasses import replace
 
     from owtsweep.motion.recorded.describing import _load
 
-    loaded = _load(replace(opened, load=load), opened.names, 100)
+    loaded = _load(replace(opened, read=read), opened.names, 100)
     assert len(loaded) == 1999
     assert len(reads) < 40

@@ -153,7 +153,7 @@ def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wante
 
 def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
     columns, units = _find_columns(table, wanted, items)
-    loaded = table.load(list(dict.fromkeys(columns.values())), None)
+    loaded = table.load(list(dict.fromkeys(columns.values())))
     dimensions = {s: "time" if s == "time" else str(wanted.dimension(s)) for s in columns}
     factors = {
         signal: find_scale(

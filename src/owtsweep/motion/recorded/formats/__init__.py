@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from owtsweep.io.reading import require_regular
@@ -15,7 +16,13 @@ from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
 from owtsweep.motion.recorded.formats.hdf5 import open_gtsdf
 from owtsweep.motion.recorded.formats.matlab import open_mat
 from owtsweep.motion.recorded.formats.nmea import open_nmea
-from owtsweep.motion.recorded.formats.table import ChannelTable, make_safe, refuse
+from owtsweep.motion.recorded.formats.table import (
+    ChannelTable,
+    number_repeats,
+    refuse,
+    require_channels,
+    tidy,
+)
 from owtsweep.motion.recorded.formats.text import open_text
 
 #: Extensions of text tables. Only these may be compressed (.gz).
@@ -47,7 +54,10 @@ def open_table(path: str | Path) -> ChannelTable:
         raise refuse(path, "you may not read this file; change its permissions")
     if path.stat().st_size == 0:
         raise refuse(path, "is empty")
-    return make_safe(_open(path))
+    table = _open(path)
+    require_channels(path, len(table.names))
+    names = number_repeats([tidy(name) for name in table.names])
+    return replace(table, names=names, units=tuple(map(tidy, table.units)))
 
 
 def _open(path: Path) -> ChannelTable:

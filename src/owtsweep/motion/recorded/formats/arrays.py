@@ -6,7 +6,7 @@ import math
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import (
-    MOST_VALUES,
     ChannelTable,
-    number_repeats,
     refuse,
     refuse_damaged,
     require_channels,
@@ -67,21 +65,23 @@ def open_npz(path: Path) -> ChannelTable:
         said = f"arrays of different lengths ({listed})"
         raise refuse(path, f"has {said if places else 'no array of numbers'}")
 
-    def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        result: dict[str, Array] = {}
+    columns = list(places.values())
+
+    def read(wanted: Sequence[int], rows: int) -> list[Array]:
+        result: dict[int, Array] = {}
         with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
-            for file in dict.fromkeys(places[name][0] for name in names):
+            for file in dict.fromkeys(columns[place][0] for place in wanted):
                 with archive.open(file) as stream:
                     array = np.lib.format.read_array(stream, allow_pickle=False)
-                for name in names:
-                    if places[name][0] == file:
-                        column = places[name][1]
+                for place in wanted:
+                    member, column = columns[place]
+                    if member == file:
                         values = array if column is None else array[:, column]
-                        result[name] = np.array(values[:rows], dtype=float)
-        return result
+                        result[place] = np.array(values[:rows], dtype=float)
+        return [result[place] for place in wanted]
 
     names = tuple(places)
-    return ChannelTable(path, "NumPy archive", names, ("",) * len(names), load, lengths.pop())
+    return ChannelTable(path, "NumPy archive", names, ("",) * len(names), read, lengths.pop())
 
 
 def name_columns(path: Path, key: str, count: int) -> list[str]:
@@ -133,32 +133,31 @@ def open_parquet(path: Path) -> ChannelTable:
         metadata = field.metadata or {}
         stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode(errors="replace")
         units.append("s" if pa.types.is_timestamp(field.type) else stated)
-    names = number_repeats(schema.names)
     # Texts may hold numbers. As a dictionary, a long text that all rows repeat is read only once.
     is_text = (pa.types.is_string, pa.types.is_large_string)
     texts = [field.name for field in schema if any(test(field.type) for test in is_text)]
 
-    def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
+    def read(places: Sequence[int], most: int) -> list[Array]:
         with (
             refuse_damaged(path, "is damaged", *damaged),
             parquet.ParquetFile(
                 path, page_checksum_verification=True, read_dictionary=texts
             ) as file,
         ):
-            return {name: _load_column(path, file, names.index(name), rows) for name in wanted}
+            return [_read_column(path, file, place, most) for place in places]
 
-    return ChannelTable(path, "Parquet", names, tuple(units), load, rows)
+    return ChannelTable(path, "Parquet", tuple(schema.names), tuple(units), read, rows)
 
 
-def _load_column(path: Path, file: parquet.ParquetFile, place: int, rows: int | None) -> Array:
-    """Return the first `rows` numbers of a column (None: the first `MOST_VALUES`)."""
+def _read_column(path: Path, file: parquet.ParquetFile, place: int, most: int) -> Array:
+    """Return the first numbers of a column, at most so many."""
     import pyarrow as pa
 
     field = file.schema_arrow.field(place)
     number = file.schema_arrow.names[:place].count(field.name)  # among the columns of the same name
     is_time = pa.types.is_timestamp(field.type)
     parts: list[Array] = []
-    count, most = 0, MOST_VALUES if rows is None else rows
+    count = 0
     for batch in file.iter_batches(batch_size=1 << 20, columns=[field.name], use_threads=False):
         part = batch.column(number)
         try:

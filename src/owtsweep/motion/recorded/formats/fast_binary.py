@@ -19,7 +19,7 @@ In kinds 1, 2 and 4 a value is (packed - offset) / scale. The times of kind 1 ar
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 
 WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES = 1, 2, 3, 4
 SHORT = 10  # characters of a name in kinds 1 to 3
@@ -51,8 +51,8 @@ class Header:
 def open_fast_binary(path: Path) -> ChannelTable:
     """Open a FAST binary file (.outb); raises InputError if it is none, or is cut short."""
     header = _read_header(path)
-    load = partial(_load, path, header)
-    return ChannelTable(path, "FAST binary", header.names, header.units, load, header.steps)
+    read = partial(_read, path, header)
+    return ChannelTable(path, "FAST binary", header.names, header.units, read, header.steps)
 
 
 def _read_header(path: Path) -> Header:
@@ -94,13 +94,11 @@ def _read_header(path: Path) -> Header:
         raise refuse(path, f"is cut short: {steps} time steps announced, {whole} there")
     stated = tuple(unit.strip("()[] ") for unit in units)
     stated = tuple("" if unit == "-" else unit for unit in stated)
-    return Header(kind, steps, clock, scale, offset, number_repeats(names), stated, first)
+    return Header(kind, steps, clock, scale, offset, names, stated, first)
 
 
-def _load(
-    path: Path, header: Header, names: Sequence[str], rows: int | None
-) -> Mapping[str, Array]:
-    steps = header.steps if rows is None else min(rows, header.steps)
+def _read(path: Path, header: Header, places: Sequence[int], rows: int) -> list[Array]:
+    steps = min(rows, header.steps)
     start = header.first + (4 * header.steps if header.kind == WITH_TIME else 0)
     packed = np.memmap(
         path,
@@ -109,18 +107,17 @@ def _load(
         offset=start,
         shape=(header.steps, len(header.scale)),
     )
-    result: dict[str, Array] = {}
-    for name in names:
-        place = header.names.index(name) - 1
-        if place >= 0:
-            values = packed[:steps, place].astype(float)
-            result[name] = (values - header.offset[place]) / header.scale[place]
-        elif header.kind == WITH_TIME:
+
+    def read(place: int) -> Array:
+        if place > 0:
+            values = packed[:steps, place - 1].astype(float)
+            return np.asarray((values - header.offset[place - 1]) / header.scale[place - 1])
+        if header.kind == WITH_TIME:
             ticks = np.fromfile(path, dtype="<i4", count=steps, offset=header.first)
-            result[name] = (ticks - header.clock[1]) / header.clock[0]
-        else:
-            result[name] = header.clock[0] + header.clock[1] * np.arange(steps)
-    return result
+            return np.asarray((ticks - header.clock[1]) / header.clock[0])
+        return np.asarray(header.clock[0] + header.clock[1] * np.arange(steps))
+
+    return [read(place) for place in places]
 
 
 def _decode(raw: bytes) -> str:

@@ -10,7 +10,7 @@ channels are to be multiplied, below the line "Scale factors".
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.io.reading import read_bytes, require_regular
 from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
-from owtsweep.motion.recorded.formats.text import load_columns
+from owtsweep.motion.recorded.formats.text import read_columns
 from owtsweep.motion.recorded.formats.text_layout import Layout
 
 SUMMARY_LINE = 8
@@ -63,10 +63,10 @@ def open_hawc2(path: Path) -> ChannelTable:
     selection = _read_selection(sel)
     _check_length(dat, selection)
     notes: list[str] = []
-    load = partial(_load, dat, selection, notes)
+    read = partial(_read, dat, selection, notes)
     kind = "ASCII" if selection.factors is None else "binary"
     names, units = selection.names, selection.units
-    return ChannelTable(path, f"HAWC2, {kind}", names, units, load, selection.scans, notes)
+    return ChannelTable(path, f"HAWC2, {kind}", names, units, read, selection.scans, notes)
 
 
 def _read_selection(sel: Path) -> Selection:
@@ -110,27 +110,25 @@ def _check_length(dat: Path, selection: Selection) -> None:
     )
 
 
-def _load(
-    dat: Path, selection: Selection, notes: list[str], names: Sequence[str], rows: int | None
-) -> Mapping[str, Array]:
-    scans = selection.scans if rows is None else min(rows, selection.scans)
+def _read(
+    dat: Path, selection: Selection, notes: list[str], places: Sequence[int], rows: int
+) -> list[Array]:
+    scans = min(rows, selection.scans)
     if selection.factors is not None:
         packed = np.memmap(dat, "<i2", "r", shape=(len(selection.names), selection.scans))
-        places = {name: selection.names.index(name) for name in names}
-        found = {n: packed[k, :scans] * selection.factors[k] for n, k in places.items()}
+        found = [packed[place, :scans] * selection.factors[place] for place in places]
     else:
         layout = Layout(" ", 0, selection.names, selection.units, ".", {})
-        found = dict(load_columns(dat, layout, notes, names, scans))
-        there = min(map(len, found.values()), default=scans)
+        found = read_columns(dat, layout, notes, places, scans)
+        there = min(map(len, found), default=scans)
         if there < scans:
             raise refuse(dat, f"is cut short: {selection.scans} scans announced, {there} there")
-    return {name: _restore_time(values, name, selection) for name, values in found.items()}
+    return [_restore_time(values, k, selection) for k, values in zip(places, found, strict=True)]
 
 
-def _restore_time(values: Array, name: str, selection: Selection) -> Array:
+def _restore_time(values: Array, place: int, selection: Selection) -> Array:
     """Return a channel's values; of the first, rounded times are replaced by uniform ones."""
-    first = name == selection.names[0] and name.lower().startswith("time")
-    if not first or not len(values):
+    if place > 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values
     step = selection.duration / selection.scans
     comb = step * np.arange(len(values))

@@ -12,7 +12,7 @@ format.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -24,7 +24,6 @@ from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import (
     MOST_VALUES,
     ChannelTable,
-    number_repeats,
     refuse,
     refuse_damaged,
     require_channels,
@@ -60,15 +59,10 @@ def open_gtsdf(path: Path) -> ChannelTable:
         require_channels(path, count)
         names = _read_words(path, file, "attribute_names", count)
         units = _read_words(path, file, "attribute_units", count)
-    names = list(number_repeats([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
+    names = [TIME, *(name or str(k + 1) for k, name in enumerate(names))]
     units = ["s", *("" if unit == "-" else unit for unit in units)]
-
-    def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        with _open(path) as file:
-            return _load(path, file, blocks, {name: names.index(name) for name in wanted}, rows)
-
-    rows = sum(shape[0] for shape in shapes)
-    return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load, rows)
+    read, rows = partial(_read, path, blocks), sum(shape[0] for shape in shapes)
+    return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), read, rows)
 
 
 #: Name, shape, whether it holds real numbers, and what reads these: `matlab.Variable`.
@@ -156,35 +150,33 @@ def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array 
     return np.asarray(vector[:count], dtype=float)
 
 
-def _load(
-    path: Path, file: h5py.File, blocks: list[str], places: Mapping[str, int], rows: int | None
-) -> dict[str, Array]:
-    parts: dict[str, list[Array]] = {name: [] for name in places}
-    read = 0
-    for block in blocks:
-        data = _open_data(path, file, block)
-        group = file[block]
-        steps = data.shape[0] if rows is None else min(data.shape[0], rows - read)
-        if steps <= 0:
-            break
-        gains = _read_vector(path, group, "gains", data.shape[1])
-        offsets = _read_vector(path, group, "offsets", data.shape[1])
-        for name, place in places.items():
-            if place == 0:
-                count = _read_vector(path, group, "time", steps)
-                count = np.arange(steps, dtype=float) if count is None else count
-                step = float(np.asarray(group.attrs.get("time_step", 1.0)).item())
-                start = float(np.asarray(group.attrs.get("time_start", 0.0)).item())
-                parts[name].append(start + step * count)
-                continue
-            packed = data[:steps, place - 1]
-            values = np.asarray(packed, dtype=float)
-            if np.issubdtype(packed.dtype, np.integer):
-                values[packed == np.iinfo(packed.dtype).max] = np.nan
-            if gains is not None:
-                values *= gains[place - 1]
-            if offsets is not None:
-                values += offsets[place - 1]
-            parts[name].append(values)
-        read += steps
-    return {name: np.concatenate(parts[name] or [np.empty(0)]) for name in places}
+def _read(path: Path, blocks: Sequence[str], places: Sequence[int], rows: int) -> list[Array]:
+    parts: list[list[Array]] = [[np.empty(0)] for _ in places]
+    with _open(path) as file:
+        for block in blocks:
+            data = _open_data(path, file, block)
+            group = file[block]
+            steps = min(data.shape[0], rows)
+            if steps <= 0:
+                break
+            rows -= steps
+            gains = _read_vector(path, group, "gains", data.shape[1])
+            offsets = _read_vector(path, group, "offsets", data.shape[1])
+            for part, place in zip(parts, places, strict=True):
+                if place == 0:
+                    count = _read_vector(path, group, "time", steps)
+                    count = np.arange(steps, dtype=float) if count is None else count
+                    step = float(np.asarray(group.attrs.get("time_step", 1.0)).item())
+                    start = float(np.asarray(group.attrs.get("time_start", 0.0)).item())
+                    part.append(start + step * count)
+                    continue
+                packed = data[:steps, place - 1]
+                values = np.asarray(packed, dtype=float)
+                if np.issubdtype(packed.dtype, np.integer):
+                    values[packed == np.iinfo(packed.dtype).max] = np.nan
+                if gains is not None:
+                    values *= gains[place - 1]
+                if offsets is not None:
+                    values += offsets[place - 1]
+                part.append(values)
+    return [np.concatenate(part) for part in parts]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -210,21 +210,24 @@ def open_mat(path: Path) -> ChannelTable:
             path, f"has no vector of numbers: save plain vectors{listed and f' ({listed})'}"
         )
 
-    def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        lengths = {name: max(places[name][0].shape) for name in names}
+    names, columns = tuple(places), list(places.values())
+
+    def read(wanted: Sequence[int], rows: int) -> list[Array]:
+        lengths = {names[place]: max(columns[place][0].shape) for place in wanted}
         if len(set(lengths.values())) > 1:
             told = ", ".join(f"{name} {length}" for name, length in lengths.items())
             raise refuse(path, f"channels differ in length ({told}): save them equally long")
-        result: dict[str, Array] = {}
-        for variable in dict.fromkeys(places[name][0] for name in names):
+        result: dict[int, Array] = {}
+        for variable in dict.fromkeys(columns[place][0] for place in wanted):
             with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
                 array = variable.load()
             table = array if array.shape[0] >= array.shape[1] else array.T
-            for name in names:
-                if places[name][0] is variable:
-                    result[name] = np.array(table[:rows, places[name][1]])
-        return result
+            for place in wanted:
+                holder, column = columns[place]
+                if holder is variable:
+                    result[place] = np.array(table[:rows, column])
+        return [result[place] for place in wanted]
 
-    longest = max(max(variable.shape) for variable, _ in places.values())
-    units, notes = ("",) * len(places), [listed] if listed else []
-    return ChannelTable(path, "MATLAB", tuple(places), units, load, longest, notes)
+    longest = max(max(variable.shape) for variable, _ in columns)
+    units, notes = ("",) * len(names), [listed] if listed else []
+    return ChannelTable(path, "MATLAB", names, units, read, longest, notes)

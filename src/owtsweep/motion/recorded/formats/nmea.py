@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 
@@ -44,11 +44,11 @@ def open_nmea(path: Path) -> ChannelTable:
     clock += DAY * np.cumsum(np.diff(clock, prepend=clock[0]) < -0.5 * DAY)
     names = [name if name != "height" or True in separated else "altitude" for name in CHANNELS]
 
-    def load(wanted: Sequence[str], count: int | None) -> Mapping[str, Array]:
-        return {name: table[:count, names.index(name)] for name in wanted}
+    def read(places: Sequence[int], count: int) -> list[Array]:
+        return [table[:count, place] for place in places]
 
     units = tuple(CHANNELS.values())
-    return ChannelTable(path, FORMAT, tuple(names), units, load, len(table))
+    return ChannelTable(path, FORMAT, tuple(names), units, read, len(table))
 
 
 def _read_sentences(path: Path) -> tuple[list[tuple[float, ...]], set[bool]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from owtsweep.arrays import Array
@@ -18,9 +18,9 @@ MOST_STEPS = 50_000_000
 MOST_CHANNELS = 10_000
 #: Names and units of channels are cut to this many characters.
 LONGEST_NAME = 200
-#: `load(names, rows)` returns name -> float64 array of shape (n,). The number n of rows is at most
-#: `rows`; None reads all rows.
-Load = Callable[[Sequence[str], int | None], Mapping[str, Array]]
+#: `read(places, rows)` returns the columns at some places, each a float64 array of shape (n,). The
+#: number n of rows is at most `rows`.
+Read = Callable[[Sequence[int], int], Sequence[Array]]
 
 
 @dataclass(frozen=True)
@@ -31,42 +31,39 @@ class ChannelTable:
     format: str  # in words
     names: tuple[str, ...]  # without units; time is one of them
     units: tuple[str, ...]  # "" where the file states none
-    load: Load  # numbers in the file's units, NaN where missing
+    read: Read  # numbers in the file's units, NaN where missing
     rows: int | None = None  # as the file announces; text announces none
-    notes: list[str] = field(default_factory=list)  # what `load` left out
+    notes: list[str] = field(default_factory=list)  # what `read` left out
 
     def unit(self, name: str) -> str:
         """Return the unit that the file states for a channel; "" if the file states none."""
         return self.units[self.names.index(name)]
 
+    def load(self, names: Sequence[str], rows: int | None = None) -> dict[str, Array]:
+        """Return name -> numbers in the file's units, NaN where missing; at most `rows` of each.
+
+        Raises InputError if there are more than `MOST_VALUES` numbers, or the file is damaged.
+        """
+        one_too_many = MOST_VALUES // max(len(names), 1) + 1
+        most = one_too_many if rows is None else min(rows, one_too_many)
+        if self.rows is not None:
+            require_room(self.path, min(self.rows, most), len(names), self.rows)
+        columns = self.read([self.names.index(name) for name in names], most)
+        for values in columns:
+            require_room(self.path, len(values), len(names))
+        return dict(zip(names, columns, strict=True))
+
 
 def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
     """Return the names, repeated names being numbered: `a, a` becomes `a, a (2)`."""
-    seen: dict[str, int] = {}
-    result = []
+    numbers: dict[str, int] = {}
     for name in names:
-        seen[name] = seen.get(name, 0) + 1
-        result.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return tuple(result)
-
-
-def make_safe(table: ChannelTable) -> ChannelTable:
-    """Return a copy with printable names and units, which loads at most `MOST_VALUES` numbers."""
-    require_channels(table.path, len(table.names))
-    names = number_repeats([tidy(name) for name in table.names])
-    raw = dict(zip(names, table.names, strict=True))
-
-    def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        one_too_many = MOST_VALUES // max(len(wanted), 1) + 1
-        rows = one_too_many if rows is None else min(rows, one_too_many)
-        if table.rows is not None:
-            require_room(table.path, min(table.rows, rows), len(wanted), table.rows)
-        loaded = table.load([raw[name] for name in wanted], rows)
-        for values in loaded.values():
-            require_room(table.path, len(values), len(wanted))
-        return {name: loaded[raw[name]] for name in wanted}
-
-    return replace(table, names=names, units=tuple(map(tidy, table.units)), load=load)
+        unique = name
+        while unique in numbers:
+            numbers[name] += 1
+            unique = f"{name} ({numbers[name]})"
+        numbers[unique] = 1
+    return tuple(numbers)
 
 
 def require_channels(path: Path, count: int) -> None:

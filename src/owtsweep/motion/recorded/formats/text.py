@@ -47,12 +47,12 @@ def open_text(path: Path) -> ChannelTable:
     """
     layout = find_layout(path, _read_head(path))
     notes: list[str] = []
-    load = partial(load_columns, path, layout, notes)
+    read = partial(read_columns, path, layout, notes)
     word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
     if layout.decimal == ",":
         word += ", decimal commas"
     form = f"text, columns between {word}"
-    return ChannelTable(path, form, layout.names, layout.units, load, notes=notes)
+    return ChannelTable(path, form, layout.names, layout.units, read, notes=notes)
 
 
 def _read_head(path: Path) -> list[str]:
@@ -72,10 +72,11 @@ def _read_head(path: Path) -> list[str]:
     return lines[:-1] if len(raw) == HEAD and len(lines) > 1 else lines
 
 
-def load_columns(
-    path: Path, layout: Layout, notes: list[str], names: Sequence[str], rows: int | None
-) -> Mapping[str, Array]:
-    """Load the first `rows` values of columns, block by block; `notes` gets what is left out."""
+def read_columns(
+    path: Path, layout: Layout, notes: list[str], places: Sequence[int], rows: int
+) -> list[Array]:
+    """Read the first `rows` values of columns, block by block; `notes` gets what is left out."""
+    names = [layout.names[place] for place in places]
     times = {n: IsoTimes(path, n, layout.times[n]) for n in names if n in layout.times}
     columns: dict[str, Array] = {name: np.empty(0) for name in names}
     count, skipped = 0, layout.first
@@ -95,10 +96,10 @@ def load_columns(
                 columns[name] = longer
             columns[name][count:stop] = times[name].convert(values) if name in times else values
         count = stop
-        if rows is not None and count >= rows:
+        if count >= rows:
             break
-    stop = count if rows is None else min(rows, count)
-    return {name: column[:stop] for name, column in columns.items()}
+    stop = min(rows, count)
+    return [columns[name][:stop] for name in names]
 
 
 def _without_ending(block: bytes, layout: Layout, notes: list[str]) -> bytes:
