@@ -233,10 +233,8 @@ def stress_matrix(structure: Structure, beam: PlaneBeam) -> Array:
 
 def strain_matrix(structure: Structure, beam: PlaneBeam) -> Array:
     """Return the strains (no unit) that belong to `stress_matrix`, shape (nodes, 2 nodes)."""
-    modulus = np.empty(len(beam.heights))
-    for i, height in enumerate(beam.heights):
-        modulus[i] = _tube_at(structure, height).youngs_modulus
-    return stress_matrix(structure, beam) / modulus[:, None]
+    modulus = [_tube_at(structure, height).youngs_modulus for height in beam.heights]
+    return stress_matrix(structure, beam) / np.array(modulus)[:, None]
 
 
 def _fibre(structure: Structure, beam: PlaneBeam) -> Array:

@@ -87,12 +87,12 @@ def compute_damage(
     `stress`: stress in Pa, tension positive, shape (steps, welds). `curves`: one S-N curve for all
     welds, or one for each. `ultimate_strength`: for Goodman's correction, in Pa; infinite for none.
     """
-    welds = stress.shape[1]
-    each = [curves] * welds if isinstance(curves, SNCurve) else list(curves)
-    damage = np.empty(welds)
-    for weld, curve in enumerate(each):
-        damage[weld] = sum_damage(count_cycles(stress[:, weld]), curve, ultimate_strength)
-    return damage
+    each = [curves] * stress.shape[1] if isinstance(curves, SNCurve) else curves
+    damage = [
+        sum_damage(count_cycles(history), curve, ultimate_strength)
+        for history, curve in zip(stress.T, each, strict=True)
+    ]
+    return np.array(damage)
 
 
 def find_equivalent_range(cycles: Cycles, m: float, reference_cycles: float) -> float:

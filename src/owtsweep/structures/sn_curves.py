@@ -105,12 +105,7 @@ class Fatigue(Section):
         Raise `InputError` if the keys do not make an S-N curve.
         """
         if self.curve == "own":
-            own = make_curve(
-                [branch.m for branch in self.branches],
-                [branch.log_a for branch in self.branches],
-                self.knee,
-            )
-            return [own] * len(heights)
+            return [make_curve(self.branches, self.knee)] * len(heights)
         wet = heights < 0.0 if self.environment == "height" else np.zeros(len(heights), dtype=bool)
         wet |= self.environment == "seawater"
         return [find_curve(self.curve, "seawater" if below else "air") for below in wet]
@@ -135,17 +130,12 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
     return SNCurve(name, tuple(numbers["m"]), tuple(numbers["log_a"]), table["knee"])
 
 
-def make_curve(m: Sequence[float], log_a: Sequence[float], knee: float | None = None) -> SNCurve:
+def make_curve(branches: Sequence[Branch], knee: float | None) -> SNCurve:
     """Make an S-N curve of one's own, of one branch or two, as in `SNCurve`.
 
-    Raise `InputError` if there is no branch, a number is missing, or two branches do not meet at
-    the knee.
+    Raise `InputError` if there is no branch, or two branches do not meet at the knee.
     """
-    require(
-        len(m) == len(log_a),
-        f"log_a: there are {len(m)} exponents m, but {len(log_a)} intercepts log_a; each branch "
-        "needs both",
-    )
+    m, log_a = tuple(each.m for each in branches), tuple(each.log_a for each in branches)
     require(
         len(m) in (1, 2),
         f"fatigue.branches: an own S-N curve has one branch or two, not {len(m)}; give e.g. "
@@ -153,13 +143,13 @@ def make_curve(m: Sequence[float], log_a: Sequence[float], knee: float | None = 
     )
     if len(m) == 1:
         require(knee is None, "fatigue.knee: a single branch has no knee; leave it out")
-        return SNCurve("own", tuple(m), tuple(log_a))
+        return SNCurve("own", m, log_a)
     require(
         knee is not None,
         "fatigue.knee: two branches need the number of cycles at which they meet, e.g. 1e7",
     )
     assert knee is not None  # for mypy
-    curve = SNCurve("own", tuple(m), tuple(log_a), knee)
+    curve = SNCurve("own", m, log_a, knee)
     require(
         m[1] > m[0],
         f"fatigue.branches: the second branch must be flatter: m {m[1]:g} must exceed {m[0]:g}",
