@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
-from owtsweep.io.files import write_all
+from owtsweep.io.files import write_atomically
 from owtsweep.io.reading import read_bytes
 
 if TYPE_CHECKING:
@@ -19,15 +19,6 @@ if TYPE_CHECKING:
 #: Most bytes of a table.
 MOST_BYTES = 1_000_000_000
 _QUOTED = re.compile(rb'"[^"]*"')
-
-
-def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
-    """Write each table to the file `<name>.csv` in a folder, without the table's index.
-
-    If the files do not all fit on the disk, no file is changed. Raise `OSError` if the file system
-    refuses a file.
-    """
-    write_all({folder / name: text for name, text in dump_tables(tables).items()})
 
 
 def dump_tables(tables: Mapping[str, pd.DataFrame]) -> dict[str, str]:
@@ -44,8 +35,9 @@ def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
 
     Raise `OSError` if the file system refuses the file.
     """
-    write_tables(folder, {name: table})
-    return folder / f"{name}.csv"
+    path = folder / f"{name}.csv"
+    write_atomically(path, dump_tables({name: table})[path.name])
+    return path
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:
