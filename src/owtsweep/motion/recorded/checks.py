@@ -114,7 +114,8 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
             raise refuse(recording.path, f"{name} has no value at all")
         if role == "yaw":
             continue
-        fewest = 2 if role.startswith(("fix", "reference")) else FEWEST_SAMPLES
+        sparse = role.startswith(("fix", "reference"))
+        fewest = 2 if sparse else FEWEST_SAMPLES
         if count < fewest:
             raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
         time, there = recording.series(role)
@@ -125,7 +126,6 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
         )
         if not role.startswith("fix"):
             check_extent(recording.path, name, time)
-        sparse = role.startswith(("fix", "reference"))
         notes += _check_sampling(recording.path, role, name, time, gaps)
         if not sparse and (missing := describe_missing(name, values)):
             notes.append(f"{missing}: filled by cubic spline")
