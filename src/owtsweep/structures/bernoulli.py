@@ -233,8 +233,8 @@ def stress_matrix(structure: Structure, beam: PlaneBeam) -> Array:
 
 def strain_matrix(structure: Structure, beam: PlaneBeam) -> Array:
     """Return the strains (no unit) that belong to `stress_matrix`, shape (nodes, 2 nodes)."""
-    modulus = [_tube_at(structure, height).youngs_modulus for height in beam.heights]
-    return stress_matrix(structure, beam) / np.array(modulus)[:, None]
+    modulus = np.array([_tube_at(structure, height).youngs_modulus for height in beam.heights])
+    return np.asarray(stress_matrix(structure, beam) / modulus[:, None])
 
 
 def _fibre(structure: Structure, beam: PlaneBeam) -> Array:

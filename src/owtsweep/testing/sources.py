@@ -11,11 +11,10 @@ names the broken part.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from owtsweep.motion.source import Motion, Source
+from owtsweep.streams import Streams
 
 #: Largest allowed difference between a derivative (e.g. velocity) and the slope of its series (e.g.
 #: position), relative to the derivative's largest value.
@@ -153,6 +152,6 @@ def _is_same(one: Motion, other: Motion) -> bool:
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
-def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
+def _streams(replicate: int) -> Streams:
     """Return a function from a stream's name to a new generator, equal for equal names."""
     return lambda name: np.random.default_rng([replicate, *name.encode()])

@@ -10,7 +10,7 @@ after the other in the same buffers, so only the motion is in memory for the who
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import NamedTuple
@@ -20,7 +20,7 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Value
-from owtsweep.streams import stream
+from owtsweep.streams import Streams, stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
@@ -122,7 +122,7 @@ class Records:
         """Draw the noise of a replicate's fixes, m, shape (fixes, 2); NaN for a lost fix."""
         return sensing.fix_noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
 
-    def stream(self, index: int) -> Callable[[str], np.random.Generator]:
+    def stream(self, index: int) -> Streams:
         """Return a function that takes a name, e.g. "gnss", and returns a random stream."""
         return partial(stream, self.config.seed, STUDY, self.in_streams, self.replicates[index])
 

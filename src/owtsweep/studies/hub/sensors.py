@@ -6,7 +6,7 @@ estimator can be run on each part alone, and a record's noise does not depend on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ from owtsweep.gravity import GRAVITY
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.faults import Losses, draw_outliers
 from owtsweep.sensing.noise import WhiteNoise, WienerBias, draw_gauss_markov
+from owtsweep.streams import Streams
 from owtsweep.studies.hub.config import SensorConfig
 
 
@@ -190,7 +191,7 @@ class ForceNoise:
         self,
         config: SensorConfig,
         sensors: Sensors,
-        stream: Callable[[str], np.random.Generator],
+        stream: Streams,
     ) -> None:
         imu = config.imu
         self.bias = [
@@ -214,7 +215,7 @@ def noise(
     config: SensorConfig,
     sensors: Sensors,
     steps: int,
-    stream: Callable[[str], np.random.Generator],
+    stream: Streams,
 ) -> Measured:
     """Draw the part of a whole record's measurements that is not due to motion."""
     force = ForceNoise(config, sensors, stream).next(steps)
@@ -225,7 +226,7 @@ def fix_noise(
     config: SensorConfig,
     sensors: Sensors,
     steps: int,
-    stream: Callable[[str], np.random.Generator],
+    stream: Streams,
 ) -> Array:
     """Draw what is added to a record's position fixes, m, shape (fixes, 2); NaN for a lost fix.
 
@@ -259,7 +260,7 @@ def simulate_bias(
     config: SensorConfig,
     sensors: Sensors,
     steps: int,
-    stream: Callable[[str], np.random.Generator],
+    stream: Streams,
     *,
     piece: int | None = None,
 ) -> Iterator[Array]:

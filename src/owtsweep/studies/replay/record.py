@@ -13,7 +13,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.freed_memory import give_back_freed_memory
-from owtsweep.streams import stream
+from owtsweep.streams import Streams, stream
 from owtsweep.studies.hub.public import ForceNoise, Sensors, fix_count, fix_noise, simulate_bias
 from owtsweep.studies.replay.config import ReplayConfig
 
@@ -160,5 +160,5 @@ def simulate_true_bias(
     return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)
 
 
-def _streams_of(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
+def _streams_of(config: ReplayConfig, replicate: int) -> Streams:
     return partial(stream, config.seed, STUDY, (0.0,), replicate)

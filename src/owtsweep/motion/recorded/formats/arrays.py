@@ -65,22 +65,21 @@ def open_npz(path: Path) -> ChannelTable:
         said = f"arrays of different lengths ({listed})"
         raise refuse(path, f"has {said if places else 'no array of numbers'}")
 
-    columns = list(places.values())
+    names, found = tuple(places), list(places.values())
 
     def read(wanted: Sequence[int], rows: int) -> list[Array]:
         result: dict[int, Array] = {}
         with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
-            for file in dict.fromkeys(columns[place][0] for place in wanted):
+            for file in dict.fromkeys(found[place][0] for place in wanted):
                 with archive.open(file) as stream:
                     array = np.lib.format.read_array(stream, allow_pickle=False)
                 for place in wanted:
-                    member, column = columns[place]
-                    if member == file:
+                    holder, column = found[place]
+                    if holder == file:
                         values = array if column is None else array[:, column]
                         result[place] = np.array(values[:rows], dtype=float)
         return [result[place] for place in wanted]
 
-    names = tuple(places)
     return ChannelTable(path, "NumPy archive", names, ("",) * len(names), read, lengths.pop())
 
 

@@ -210,24 +210,24 @@ def open_mat(path: Path) -> ChannelTable:
             path, f"has no vector of numbers: save plain vectors{listed and f' ({listed})'}"
         )
 
-    names, columns = tuple(places), list(places.values())
+    names, found = tuple(places), list(places.values())
 
     def read(wanted: Sequence[int], rows: int) -> list[Array]:
-        lengths = {names[place]: max(columns[place][0].shape) for place in wanted}
+        lengths = {names[place]: max(found[place][0].shape) for place in wanted}
         if len(set(lengths.values())) > 1:
             told = ", ".join(f"{name} {length}" for name, length in lengths.items())
             raise refuse(path, f"channels differ in length ({told}): save them equally long")
         result: dict[int, Array] = {}
-        for variable in dict.fromkeys(columns[place][0] for place in wanted):
+        for variable in dict.fromkeys(found[place][0] for place in wanted):
             with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
                 array = variable.load()
             table = array if array.shape[0] >= array.shape[1] else array.T
             for place in wanted:
-                holder, column = columns[place]
+                holder, column = found[place]
                 if holder is variable:
                     result[place] = np.array(table[:rows, column])
         return [result[place] for place in wanted]
 
-    longest = max(max(variable.shape) for variable, _ in columns)
+    longest = max(max(variable.shape) for variable, _ in found)
     units, notes = ("",) * len(names), [listed] if listed else []
     return ChannelTable(path, "MATLAB", names, units, read, longest, notes)
