@@ -68,7 +68,7 @@ def test_a_scheme_looks_ahead_by_its_latency_and_no_farther(name):
     assert changed[0] == max(400 - steps, 0)
 
 
-@pytest.mark.parametrize("name", [name for name in ABLE if SCHEMES.resolve(name).linear])
+@pytest.mark.parametrize("name", ABLE)
 def test_estimates_of_a_sum_are_the_sum_of_estimates(name):
     measured = record()[2][:600]
     other = np.random.default_rng(3).standard_normal(measured.shape) * measured.std(axis=0)
