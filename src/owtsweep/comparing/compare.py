@@ -18,6 +18,8 @@ from owtsweep.errors import InputError, require
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["compare"]
+
 
 def compare(
     comparison: Comparison,

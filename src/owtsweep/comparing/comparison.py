@@ -20,6 +20,8 @@ from owtsweep.config import AnyConfig
 from owtsweep.errors import printable
 from owtsweep.results.conditions import Condition, Grid
 
+__all__ = ["Aspects"]
+
 #: Sections and keys that do not count as swept: they say on which grid, where and how to run.
 NOT_SWEPT = frozenset(
     {"grid", "schemes", "baselines", "compute", "results", "name", "config_version"}

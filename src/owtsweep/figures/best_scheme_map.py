@@ -27,6 +27,8 @@ from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import show_error
 
+__all__ = ["draw"]
+
 HATCH = "////"
 #: Opacity of the hatch, which has the colour of text on the cell's fill.
 HATCH_OPACITY = 0.35

@@ -14,6 +14,8 @@ from owtsweep.io.steps import tell_step
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["save_figure"]
+
 logger = logging.getLogger(__name__)
 
 #: A function that draws into a folder under a name and returns the files.

@@ -13,6 +13,8 @@ from typing import Literal
 
 from owtsweep.errors import InputError
 
+__all__ = ["SchemeStyle", "style_of"]
+
 LineStyle = Literal["-"] | tuple[int, tuple[int, ...]]
 
 

@@ -23,6 +23,8 @@ from matplotlib.typing import RcKeyType
 
 from owtsweep.io.files import write_all
 
+__all__ = ["context", "new_figure", "save"]
+
 RESOLUTION = 160  # dots per inch of PNG files
 EMBEDDED_RESOLUTION = 100  # dots per inch of images inside SVG files
 SVG_LIMIT = 500 * 1024  # bytes

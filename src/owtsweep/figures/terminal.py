@@ -26,6 +26,8 @@ from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import show_error
 
+__all__ = ["grid"]
+
 #: Verdict -> mark after a scheme's name in a cell.
 MARKS = {"won": " ", "tie": "=", "open": "~"}
 MEANINGS = {
