@@ -30,7 +30,7 @@ READING = Reading()
 @pytest.fixture(scope="module")
 def mkf() -> components.Components:
     names = [setting.name for setting in OF_SCHEME["MKF"]]
-    return components.simulate("MKF", {name: PAPER[name] for name in names})
+    return components.simulate("MKF", [{name: PAPER[name] for name in names}])[0]
 
 
 @pytest.fixture(scope="module")

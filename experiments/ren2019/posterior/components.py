@@ -42,6 +42,8 @@ PERIODS = (3.0, 4.0, 8.0)
 #: `TRUTH` in `settings` sizes.
 SILENT = {"gnss.sigma": 1e-12, "imu.sigma": 1e-12, "imu.bias_walk": 0.0, "imu.bias_initial": 0.0}
 SOURCES = {name: {**SILENT, name: 1.0} for name in SILENT}
+#: How many settings run side by side on the records, which are made anew for each group.
+TOGETHER = 8
 #: The largest mean square that counts: a scheme that exceeds it diverges.
 DIVERGED = 1e6
 
@@ -110,21 +112,25 @@ def count_steps(feed: Feed, lengths: Sequence[float]) -> list[int]:
     return [round(length / feed.records.sensors.step) for length in lengths]
 
 
-def sum_nested(chain: Chain, feed: Feed, lengths: Sequence[float] = LENGTHS) -> Array:
-    """Return sums of products of errors up to each length, shape (lengths, 2, 4, 3, WIDTH).
+def sum_nested(
+    chains: Sequence[Chain], feed: Feed, lengths: Sequence[float] = LENGTHS
+) -> list[Array]:
+    """Return of each chain sums of products of errors up to each length, (lengths, 2, 4, 3, WIDTH).
 
     The axes are those of `layout.products`, of x, y, vx and vy: before and after settling,
-    quantity, product, record.
+    quantity, product, record. All chains run on one span of the records before the next is made.
     """
     settled = round(SETTLING / feed.records.sensors.step)
-    run = ChainRun(chain, weights_of(chain, consistency=False), feed, settled)
-    ends, found = count_steps(feed, lengths), []
-    for span in feed.spans(run.lead):
-        run.advance(span)
-        if run.done in ends:
-            found.append(run.products[:, :4].copy())
-    assert len(found) == len(ends)  # spans end where records do
-    return np.array(found)
+    runs = [ChainRun(each, weights_of(each, consistency=False), feed, settled) for each in chains]
+    ends = count_steps(feed, lengths)
+    found: list[list[Array]] = [[] for _ in runs]
+    for span in feed.spans(max(run.lead for run in runs)):
+        for run, sums in zip(runs, found, strict=True):
+            run.advance(span)
+            if run.done in ends:
+                sums.append(run.products[:, :4].copy())
+    assert all(len(sums) == len(ends) for sums in found)  # spans end where records do
+    return list(map(np.array, found))
 
 
 def average(sums: Array, feed: Feed, lengths: Sequence[float] = LENGTHS) -> Array:
@@ -135,23 +141,27 @@ def average(sums: Array, feed: Feed, lengths: Sequence[float] = LENGTHS) -> Arra
     return np.asarray(both / steps.reshape(*steps.shape, *[1] * (both.ndim - 2)))
 
 
-def simulate(scheme: str, settings: Mapping[str, float]) -> Components:
-    """Simulate the components of a scheme's errors; NaN where it diverges."""
+def simulate(scheme: str, several: Sequence[Mapping[str, float]]) -> list[Components]:
+    """Simulate the components of a scheme's errors at several settings; NaN where it diverges."""
     feeds = _list_feeds()
-    chain = make_chain(scheme, settings, feeds[0][0].records.steps)
+    chains = [make_chain(scheme, each, feeds[0][0].records.steps) for each in several]
     shape = (len(LENGTHS), 2, 2)
-    motion, noise = np.empty((len(feeds), *shape)), np.empty((len(SOURCES), *shape))
+    motion = np.empty((len(chains), len(feeds), *shape))
+    noise = np.empty((len(chains), len(SOURCES), *shape))
     with np.errstate(all="ignore"):
         for number, (feed, peaks) in enumerate(feeds):
-            means = average(sum_nested(chain, feed), feed)
-            # x and y together are the motion along the wave, for a motion whose peak is 1 m
-            along = means[..., 0, :].reshape(*shape, 2, WIDTH).sum(axis=3)
-            motion[number] = (along / peaks[:, None, None] ** 2).mean(axis=-1)
-            if number < len(SOURCES):
-                noise[number] = means[..., 2, :].reshape(*shape, 2, WIDTH).mean(axis=(3, 4))
+            for chain, sums in enumerate(sum_nested(chains, feed)):
+                means = average(sums, feed)
+                # x and y together are the motion along the wave, for a motion whose peak is 1 m
+                along = means[..., 0, :].reshape(*shape, 2, WIDTH).sum(axis=3)
+                motion[chain, number] = (along / peaks[:, None, None] ** 2).mean(axis=-1)
+                if number < len(SOURCES):
+                    of_noise = means[..., 2, :].reshape(*shape, 2, WIDTH)
+                    noise[chain, number] = of_noise.mean(axis=(3, 4))
     for part in (motion, noise):
         part[~(part < DIVERGED)] = np.nan
-    return Components(motion.reshape(len(MOTIONS), len(PERIODS), *shape), noise)
+    motion = motion.reshape(len(chains), len(MOTIONS), len(PERIODS), *shape)
+    return list(map(Components, motion, noise))
 
 
 def simulate_all(scheme: str, unit: Array, workers: int = 2) -> list[Components]:
@@ -161,9 +171,10 @@ def simulate_all(scheme: str, unit: Array, workers: int = 2) -> list[Components]
     settings = OF_SCHEME[scheme]
     values = from_unit(unit, settings)
     names = [setting.name for setting in settings]
-    jobs: Sequence[dict[str, float]] = [dict(zip(names, row, strict=True)) for row in values]
+    points = [dict(zip(names, row, strict=True)) for row in values]
     # not loky, which takes the records that each worker keeps for a leak of memory
     made = Parallel(workers, backend="multiprocessing")(
-        delayed(simulate)(scheme, job) for job in jobs
+        delayed(simulate)(scheme, points[first : first + TOGETHER])
+        for first in range(0, len(points), TOGETHER)
     )
-    return list(made)
+    return [each for some in made for each in some]

@@ -125,10 +125,8 @@ def measure(chains: Mapping[str, Chain], feed: Feed, reading: Reading) -> tuple[
     Over the record of a reading, with or without its start; axes as `components.sum_nested`.
     """
     lengths, window = (reading.length,), 0 if reading.start else 1
-    means = [
-        average(sum_nested(chains[scheme], feed, lengths), feed, lengths)[0, window]
-        for scheme in SCHEMES
-    ]
+    sums = sum_nested([chains[scheme] for scheme in SCHEMES], feed, lengths)
+    means = [average(each, feed, lengths)[0, window] for each in sums]
     return np.array(means), find_peaks(feed, lengths)[0]
 
 
