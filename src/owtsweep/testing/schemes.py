@@ -94,7 +94,11 @@ def _equal(one: Any, other: Any) -> bool:
     if not is_dataclass(one):
         return bool(np.array_equal(one, other, equal_nan=True))
     return all(
-        np.array_equal(value, getattr(other, key), equal_nan=True)
+        np.array_equal(value, getattr(other, key), equal_nan=_is_float(value))
         for key, value in vars(one).items()
         if isinstance(value, np.ndarray)
     )
+
+
+def _is_float(value: np.ndarray) -> bool:
+    return np.issubdtype(value.dtype, np.floating)
