@@ -9,7 +9,16 @@ import pytest
 from scipy import stats
 
 from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS
-from experiments.ren2019.posterior import components, emulator, held_out, records, tables
+from experiments.ren2019.posterior import (
+    components,
+    emulator,
+    held_out,
+    looks,
+    predict,
+    records,
+    tables,
+)
+from experiments.ren2019.posterior.evidence import Posterior
 from experiments.ren2019.posterior.inference import PAPER
 from experiments.ren2019.posterior.likelihood import Likelihood
 from experiments.ren2019.posterior.settings import (
@@ -35,7 +44,7 @@ def mkf() -> components.Components:
 
 @pytest.fixture(scope="module")
 def numbers() -> np.ndarray:
-    return records.simulate_records(READING, PAPER, WIDTH)
+    return records.simulate_records(READING, PAPER, range(WIDTH))
 
 
 @pytest.mark.usefixtures("kernels")
@@ -211,3 +220,72 @@ def test_statements_hold_in_a_map_made_to_hold_them():
     assert not judged["F3"].any()
     assert not judged["F4"].any()
     assert judged["F5"].all()  # 6 m at 8 s: still a boundary, and rising
+
+
+def test_scatter_is_about_each_draws_own_mean():
+    """Draws differ in their means by factors; that is no scatter of one record."""
+    generator = np.random.default_rng(4)
+    levels = generator.standard_normal((10, 64, 1))
+    logs = levels + 0.2 * generator.standard_normal((10, 64, 200))
+    found = records.find_scatter(np.exp(logs), READING)
+    assert np.diag(found.covariance) == pytest.approx(0.04, rel=0.15)
+    # a log-normal mean lies half a variance above the median
+    assert found.offset == pytest.approx(-0.02, abs=0.02)
+    few = records.find_scatter(np.exp(logs[:, :, :4]), READING)  # each draw's mean is of four
+    assert np.mean(np.diag(few.covariance)) == pytest.approx(0.04, rel=0.1)
+
+
+@pytest.mark.usefixtures("kernels")
+def test_records_are_numbered(numbers):
+    other = records.simulate_records(READING, PAPER, range(5, 5 + WIDTH))
+    assert np.allclose(other[:, : WIDTH - 5], numbers[:, 5:], rtol=1e-12)
+
+
+def test_ratios_of_what_the_motion_causes_are_found_again():
+    generator = np.random.default_rng(6)
+    motion, noise = generator.uniform(1.0, 2.0, (2, 4, 4, 2))  # of a table, scheme and quantity
+    motion[2] = motion[1]  # tables 7 and 8 have one period
+    squares = np.array([cell.amplitude**2 for cell in TABLE_CELLS.values()])
+    total = motion * squares[:, None, None] + noise[0]
+    numbers = (total[..., None] * [0.6, 0.4]).ravel()  # x and y
+    expected = motion[..., 1] / motion[..., 0]
+    assert predict.find_ratios(numbers) == pytest.approx(expected)
+
+
+def make_look(evidence: float, **changes) -> looks.Look:
+    points = np.linspace(0.0, 1.0, 50)[:, None] * np.ones(len(NAMES) + len(SCHEMES))
+    likelihood = make_likelihood(reading=replace(READING, **changes))
+    return looks.Look(likelihood, Posterior(evidence, 0.5, points, points[:, 0]))
+
+
+def test_a_reading_is_followed_until_its_evidence_stays(monkeypatch):
+    """The first moves by 4, 2 and 1, so that it is settled; the second never is."""
+    steps = {"level": [4.0, 2.0, 1.0, 9.0], "against": [5.0] * 9}
+
+    def turn(_, some):
+        found = []
+        for look in some:
+            moved = steps[look.reading.force][look.turns]
+            now = look.posterior._replace(evidence=look.posterior.evidence + moved)
+            found.append(looks.Look(look.likelihood, now, look.turns + 1, moved))
+        return found
+
+    monkeypatch.setattr(looks, "take_turn", turn)
+    first, second = looks.follow(None, [make_look(0.0), make_look(0.0, force="against")])
+    assert (first.turns, first.moved, first.posterior.evidence) == (3, 1.0, 7.0)
+    assert (second.turns, second.posterior.evidence) == (looks.TURNS, 5.0 * looks.TURNS)
+
+
+def test_draws_of_a_look_spread_over_its_points():
+    draws = make_look(0.0).draws
+    assert len(draws) == records.DRAWS
+    assert all(np.diff([draw["q_a"] for draw in draws]) > 0.0)
+
+
+def test_the_closest_readings_have_a_level_one_of_each_kind_of_seeds():
+    some = [make_look(-number, force="against") for number in range(6)]
+    level = [make_look(-9.0), make_look(-8.0, seeds="shared"), make_look(-10.0)]
+    assert [look.posterior.evidence for look in looks.choose_closest([*some, *level])] == [
+        0.0, -1.0, -2.0, -3.0, -8.0, -9.0,
+    ]  # fmt: skip
+    assert len(looks.choose_near([*some, *level], 8.5)) == 7

@@ -35,7 +35,7 @@ def check(folder: Path) -> int:
     inside = []
     for values in chosen:
         settings = dict(zip(NAMES, values.tolist(), strict=True))
-        medians = np.median(simulate_records(reading, settings, RECORDS), axis=-1)
+        medians = np.median(simulate_records(reading, settings, range(RECORDS)), axis=-1)
         inside.append((medians >= numbers["low"]) & (medians <= numbers["high"]))
     share = float(np.mean(inside))
     print(f"{reading}: {share:.1%} of {64 * len(chosen)} simulated numbers lie inside")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+import numpy as np
 
 from experiments.ren2019.evidence import SCHEMES
 from experiments.ren2019.posterior.components import Components
@@ -30,6 +32,10 @@ PAPER = {
 assert list(PAPER) == NAMES
 
 
+#: Settings by name, of one draw or several of a posterior.
+Draws = Sequence[Mapping[str, float]]
+
+
 def name_settings(point: Array) -> dict[str, float]:
     """Return name -> value of the settings at a point of the cube."""
     return dict(zip(NAMES, from_unit(point[: len(NAMES)]).tolist(), strict=True))
@@ -53,32 +59,38 @@ class Inference:
     def emulators(self, reading: Reading) -> dict[str, Emulator]:
         return fit_emulators(self.tables, reading, self.hyper)
 
-    def scatter(self, reading: Reading, settings: Mapping[str, float] | None = None) -> Scatter:
-        """Return the scatter of single records, with settings.
+    def scatter(self, reading: Reading, draws: Draws = (), first: int = 0) -> Scatter:
+        """Return the scatter of single records, at draws of the settings; see `load_records`.
 
-        Without, it is that of `first_of`.
+        Without draws, it is that of `first_of`.
         """
-        of, chosen = (reading, settings) if settings else first_of(reading)
-        return find_scatter(load_records(self.folder, of, chosen), reading)
+        of, chosen = (reading, draws) if draws else first_of(reading)
+        return find_scatter(load_records(self.folder, of, chosen, first), reading)
 
-    def likelihood(
-        self, reading: Reading, settings: Mapping[str, float] | None = None
-    ) -> Likelihood:
-        return Likelihood(reading, self.emulators(reading), self.scatter(reading, settings))
+    def likelihood(self, reading: Reading, draws: Draws = (), first: int = 0) -> Likelihood:
+        return Likelihood(reading, self.emulators(reading), self.scatter(reading, draws, first))
 
 
-def first_of(reading: Reading) -> tuple[Reading, dict[str, float]]:
-    """Return what gives the scatter until a reading has a mode: `tuning=paper`, a level IMU."""
-    return replace(reading, force="level", spectrum="middle", seeds="own"), PAPER
+def first_of(reading: Reading) -> tuple[Reading, Draws]:
+    """Return what gives the scatter until a reading has draws: `tuning=paper`, a level IMU."""
+    return replace(reading, force="level", spectrum="middle", seeds="own"), [PAPER]
 
 
-def load_records(folder: Path, reading: Reading, settings: Mapping[str, float]) -> Array:
-    """Return what `simulate_records` does, kept in a folder."""
-    chosen = dict(settings)
+def load_records(folder: Path, reading: Reading, draws: Draws, first: int = 0) -> Array:
+    """Return what `simulate_records` does at each draw, shape (draws, 64, records), kept.
+
+    All draws together have `RECORDS` records, numbered from `first`.
+    """
+    of = replace(reading, seeds="own")  # seeds are in no record
+    chosen, count = list(map(dict, draws)), RECORDS // len(draws)
 
     def make() -> dict[str, Array]:
-        return {"numbers": simulate_records(reading, chosen)}
+        starts = range(first, first + RECORDS, count)
+        made = [
+            simulate_records(of, settings, range(start, start + count))
+            for settings, start in zip(chosen, starts, strict=True)
+        ]
+        return {"numbers": np.array(made)}
 
-    of = replace(reading, seeds="own")  # seeds are in no record
-    said = (of, chosen, RECORDS)
+    said = (of, chosen, first, RECORDS)
     return keep(folder, "records", said, make)["numbers"]

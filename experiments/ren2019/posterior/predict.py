@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from experiments.ren2019.evidence import TABLE_CELLS
+from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS
 from experiments.ren2019.posterior.evidence import Posterior
 from experiments.ren2019.posterior.likelihood import Likelihood
 from experiments.ren2019.posterior.records import print_of_tables
@@ -80,3 +80,39 @@ def tabulate_left_out(
             }
         )
     return pd.DataFrame(rows)
+
+
+def find_ratios(numbers: Array) -> Array:
+    """Return velocity over position of what the motion causes, s^-2, shape (..., tables, schemes).
+
+    numbers: the 64, x + y of which are noise + motion * amplitude^2. Tables 7 and 8 share their
+    period, so they tell noise from motion; tables 6 and 9 have the noise of these. Where an error
+    has one frequency, the ratio is that frequency's square, (rad/s)^2.
+    """
+    tables = numbers.reshape(*numbers.shape[:-1], len(TABLE_CELLS), len(SCHEMES), 2, 2).sum(axis=-1)
+    squares = np.array([cell.amplitude**2 for cell in TABLE_CELLS.values()])
+    _, low, high, _ = np.moveaxis(tables, -3, 0)
+    slope = (high - low) / (squares[2] - squares[1])
+    motion = tables - (low - slope * squares[1])[..., None, :, :]
+    return np.asarray(motion[..., 1] / motion[..., 0])
+
+
+def tabulate_ratios(
+    likelihoods: Sequence[Likelihood], posteriors: Sequence[Posterior]
+) -> pd.DataFrame:
+    """Return per reading, table and scheme `find_ratios` of the print, and of records as predicted.
+
+    Columns of the reading; table, scheme, printed, and low, median, high (95 % of records).
+    Table 7 is left out: its ratio is table 8's.
+    """
+    printed, rows = find_ratios(print_of_tables()["published"].to_numpy(dtype=float)), []
+    for likelihood, posterior in zip(likelihoods, posteriors, strict=True):
+        ratios = find_ratios(np.exp(draw_records(likelihood, posterior)))
+        ends = np.quantile(ratios, [0.025, 0.5, 0.975], axis=0)
+        for place, table in enumerate(TABLE_CELLS):
+            for column, scheme in enumerate(SCHEMES):
+                named = dict(zip(("low", "median", "high"), ends[:, place, column], strict=True))
+                found = {"table": table, "scheme": scheme, "printed": printed[place, column]}
+                rows.append({**vars(likelihood.reading), **found, **named})
+    table = pd.DataFrame(rows)
+    return table[table["table"] != 7]

@@ -33,8 +33,8 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Feed, make_records
 
-#: Records from which scatter is computed.
-RECORDS = 200
+#: Records from which scatter is computed, and the draws of the settings that share them.
+RECORDS, DRAWS = 240, 10
 
 
 @cache
@@ -95,28 +95,27 @@ def configure(reading: Reading, settings: Mapping[str, float]) -> HubConfig:
     )
 
 
-def simulate_records(
-    reading: Reading, settings: Mapping[str, float], count: int = RECORDS
-) -> Array:
+def simulate_records(reading: Reading, settings: Mapping[str, float], numbers: range) -> Array:
     """Return the 64 numbers of each record, shape (64, records). All tables share random numbers.
 
-    reading: all but its seeds count.
+    reading: all but its seeds count. numbers: of the records, a multiple of eight of them.
     """
+    assert len(numbers) % WIDTH == 0
     config = configure(reading, settings)
     steps = make_records(config, PERIODS[0], [0]).steps
     chains = make_chains(settings, steps)
-    found = np.empty((len(TABLE_CELLS), len(SCHEMES), 4, count))
-    for first in range(0, count, WIDTH):
-        numbers = range(first, min(first + WIDTH, count))
+    found = np.empty((len(TABLE_CELLS), len(SCHEMES), 4, len(numbers)))
+    for first in range(0, len(numbers), WIDTH):
+        some = numbers[first : first + WIDTH]
         for period in PERIODS:
-            records = make_records(config, period, numbers)
+            records = make_records(config, period, some)
             feed = Feed(replace(records, in_streams=(0.0,)))  # equal random numbers at all periods
             means, peaks = measure(chains, feed, reading)
             for line, cell in enumerate(TABLE_CELLS.values()):
                 if cell.natural_period == period:
                     mse = superpose(*np.moveaxis(means, 2, 0), cell.amplitude / peaks)
-                    found[line][..., numbers] = mse[..., : len(numbers)]
-    return found.reshape(-1, count)
+                    found[line][..., first : first + WIDTH] = mse
+    return found.reshape(-1, len(numbers))
 
 
 def measure(chains: Mapping[str, Chain], feed: Feed, reading: Reading) -> tuple[Array, Array]:
@@ -131,14 +130,21 @@ def measure(chains: Mapping[str, Chain], feed: Feed, reading: Reading) -> tuple[
 
 
 def find_scatter(numbers: Array, reading: Reading) -> Scatter:
-    """Return the scatter of single records, from `simulate_records`, under a reading."""
+    """Return the scatter of single records under a reading.
+
+    numbers: from `simulate_records` at each draw of the settings, shape (draws, 64, records).
+    Deviations are those from the mean of the own draw.
+    """
     logs = np.log(numbers)
-    offset = logs.mean(axis=1) - np.log(numbers.mean(axis=1))
-    covariance = shrink(logs.T)
+    offset = np.mean(logs.mean(axis=2) - np.log(numbers.mean(axis=2)), axis=0)
+    deviations = np.hstack(list(logs - logs.mean(axis=2, keepdims=True)))
+    count = deviations.shape[1]
+    deviations *= np.sqrt((count - 1) / (count - len(numbers)))  # each draw costs a mean
+    covariance = shrink(deviations.T)
     if reading.seeds == "own":
         table = print_of_tables()["table"].to_numpy()
         covariance = np.where(table[:, None] == table, covariance, 0.0)
-    return Scatter(offset, covariance, fit_freedom(logs - logs.mean(axis=1)[:, None], covariance))
+    return Scatter(offset, covariance, fit_freedom(deviations, covariance))
 
 
 def shrink(rows: Array) -> Array:
