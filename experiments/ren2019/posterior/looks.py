@@ -35,10 +35,10 @@ SEEDS = (1, 2)
 FIRST, LIVE, CLOSELY = 50, 80, 250
 #: Readings whose evidence is this far below at the first look are not looked at again; those that
 #: are this far below then are followed, also with shared seeds.
-NEAR, CLOSE = 25.0, 12.0
+NEAR, CLOSE = 25.0, 8.0
 #: A reading is followed until a turn moves its evidence by less than this, which is two standard
 #: errors of the evidence with `LIVE` points, but for so many turns at most.
-SETTLED, TURNS = 1.5, 6
+SETTLED, TURNS = 1.5, 5
 #: How many of the closest readings are sampled closely.
 CLOSEST = 4
 
