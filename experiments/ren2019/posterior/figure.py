@@ -27,17 +27,17 @@ def draw(folder: Path) -> list[Path]:
         _draw_evidence(left, readings, evidence)
         _draw_numbers(right, numbers)
         figure.suptitle(
-            f"What can Ren et al. (2019) have done? Closest of {tried} readings: "
+            f"What can Ren et al. (2019) have done? Closest of {tried} readings:\n"
             f"{describe(evidence.iloc[0])}",
             x=0.01,
             ha="left",
         )
         style.footnote(
             figure,
-            "Left: natural logarithms, discrepancies inferred; scatter of single records with each "
-            "reading's own settings (dotted: a factor of 10). Right, for the closest: each table "
-            "of the print as the other three predict it for one record; dots are medians. "
-            "Crosses: the print lies outside. Seed 1; 200 records.",
+            "Left: natural logarithms, discrepancies inferred; scatter of single records at "
+            "draws of each reading's own posterior (dotted: a factor of 10). Right, for the "
+            "closest: each table of the print as the other three predict it for one record; dots "
+            "are medians. Crosses: the print lies outside. Seed 1; 240 records.",
         )
         return style.save(figure, folder, "posterior", {})
 
@@ -62,17 +62,17 @@ def _draw_evidence(axes: Axes, readings: pd.DataFrame, own: pd.DataFrame) -> Non
     place = {name: number for number, name in enumerate(shown["name"])}
     axes.errorbar(
         shown["below"], shown.index, xerr=shown["error"], fmt="o", color="black",
-        label="first mode's",
+        label="80 live points",
     )  # fmt: skip
     axes.errorbar(
         own["below"], own["name"].map(place), xerr=own["error"], fmt="D", color="C1", mfc="none",
-        label="this mode's",
+        label="250, one turn later",
     )  # fmt: skip
     axes.axvline(-np.log(10.0), color="black", linestyle=":", linewidth=1.0)
     axes.set_yticks(shown.index, shown["name"], fontsize=7)
     axes.set_xlabel("log evidence below the greatest")
     axes.set_title("the closest readings", loc="left")
-    axes.legend(loc="center left", fontsize=7, title="scatter", title_fontsize=7)
+    axes.legend(loc="center left", fontsize=7)
 
 
 def _draw_numbers(axes: Axes, table: pd.DataFrame) -> None:
