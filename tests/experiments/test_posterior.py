@@ -276,6 +276,13 @@ def test_a_reading_is_followed_until_its_evidence_stays(monkeypatch):
     assert (second.turns, second.posterior.evidence) == (looks.TURNS, 5.0 * looks.TURNS)
 
 
+def test_a_twin_with_shared_seeds_is_not_settled_by_the_evidence_of_the_own_ones():
+    twin = looks.share_seeds(make_look(3.0))
+    assert twin.reading.seeds == "shared"
+    assert np.isnan(twin.posterior.evidence)
+    assert not looks.is_settled(twin._replace(turns=1, moved=3.0 - twin.posterior.evidence))
+
+
 def test_draws_of_a_look_spread_over_its_points():
     draws = make_look(0.0).draws
     assert len(draws) == records.DRAWS

@@ -147,7 +147,8 @@ def look_again(inference: Inference, looks: Sequence[Look]) -> list[Look]:
 def share_seeds(look: Look) -> Look:
     """Return where a reading's twin with shared seeds starts: at the draws of the own ones."""
     reading = replace(look.reading, seeds="shared")
-    return Look(replace(look.likelihood, reading=reading), look.posterior)
+    # the evidence is another reading's, so that the first turn cannot settle the twin
+    return Look(replace(look.likelihood, reading=reading), look.posterior._replace(evidence=np.nan))
 
 
 def choose_near(looks: Sequence[Look], near: float) -> list[Look]:
