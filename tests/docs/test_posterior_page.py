@@ -40,8 +40,14 @@ def test_readings_and_evidence():
     leads = [f"{lead:.1f}" for lead in first - np.max(others, axis=0)]
     assert "leads the next by {}, by {} with other records and by {} with".format(*leads) in PAGE
     assert (first - others > np.log(10.0)).all()
+    restless = readings[(readings["turns"] > 1) & (readings["moved"].abs() >= 1.5)]
+    assert f"{len(restless)} readings never settled, all with shared seeds, seven" in PAGE
+    assert (restless["seeds"] == "shared").all()
+    assert (restless["force"] == "level").sum() == 7
+    assert f"by up to {restless['moved'].abs().max():.1f}, more than these leads" in PAGE
     level = evidence[evidence["force"] == "level"][kinds].to_numpy()[0]
     assert "closest level reading by {:.1f}, {:.1f} and {:.1f}".format(*(first - level)) in PAGE
+    assert restless["moved"].abs().max() > np.max(first - level)
 
 
 def test_tables_left_out():
@@ -52,19 +58,24 @@ def test_tables_left_out():
     for row in numbers[~numbers["inside"]].itertuples():
         assert f"| {row.table} | {row.scheme} {row.measure} | {row.published:.3g} |" in PAGE
     left_out = read("left_out")
-    assert not set.intersection(*(set(row.split("; ")) for row in left_out["outside"]))
+    outside = [set(row.split("; ")) for row in left_out["outside"]]
+    assert not set.intersection(*outside)
+    for force, missed in zip(left_out["force"], outside, strict=True):
+        assert ({"7 EKF y"} if force == "against" else {"8 MKF x", "9 MKF x"}) <= missed
+    assert [("7 EKF vy" in missed) for missed in outside].index(True) == 0
 
 
 def test_modes():
     table = read("modes")
-    table = table[
-        table[["accuracy", "spectrum", "force"]].eq(["uniform", "wide", "against"]).all(1)
-    ]
+    reading = ["accuracy", "length", "force", "spectrum", "seeds"]
+    best = read("evidence")[reading].iloc[0]
+    table = table[(table[reading] == best).all(axis=1)]
     modes = table.set_index(["table", "scheme"])
     for place in ((8, "MKF"), (8, "HME1"), (9, "HME1")):
         row = modes.loc[place]
         assert f"{row['printed']:.2f}" in PAGE
         assert f"{row['low']:.2f} to {row['high']:.2f}" in PAGE
+        assert row["low"] < row["printed"] < row["high"]  # "all lie inside"
 
 
 def test_statements_and_their_scores():

@@ -85,7 +85,7 @@ def tabulate_evidence(looks: Sequence[Look], **others: list[Posterior]) -> pd.Da
 
 
 def main(folder: Path) -> None:
-    """Run all, some hour and a half on two cores, and write the tables."""
+    """Run all, some two hours on two cores, and write the tables."""
     folder.mkdir(parents=True, exist_ok=True)
     with show_steps():
         tell_step("components of each scheme's error")
