@@ -19,7 +19,7 @@ from experiments.ren2019.posterior import (
     tables,
 )
 from experiments.ren2019.posterior.evidence import Posterior
-from experiments.ren2019.posterior.inference import PAPER
+from experiments.ren2019.posterior.inference import SEARCHED, name_settings
 from experiments.ren2019.posterior.likelihood import Likelihood
 from experiments.ren2019.posterior.settings import (
     LENGTHS,
@@ -39,19 +39,19 @@ READING = Reading()
 @pytest.fixture(scope="module")
 def mkf() -> components.Components:
     names = [setting.name for setting in OF_SCHEME["MKF"]]
-    return components.simulate("MKF", [{name: PAPER[name] for name in names}])[0]
+    return components.simulate("MKF", [{name: SEARCHED[name] for name in names}])[0]
 
 
 @pytest.fixture(scope="module")
 def numbers() -> np.ndarray:
-    return records.simulate_records(READING, PAPER, range(WIDTH))
+    return records.simulate_records(READING, SEARCHED, range(WIDTH))
 
 
 @pytest.mark.usefixtures("kernels")
 def test_components_add_up_to_the_error_of_whole_records(mkf, numbers):
     """Superposition: motion, noises and bias, each alone, against records that have all."""
     length = LENGTHS.index(READING.length)
-    sizes = np.square([0.03, 0.15, PAPER["bias_walk"], PAPER["bias_initial"]])
+    sizes = np.square([0.03, 0.15, SEARCHED["bias_walk"], SEARCHED["bias_initial"]])
     noise = sizes @ mkf.noise[:, length, 0, 0]
     for line, (table, cell) in enumerate(TABLE_CELLS.items()):
         period = components.PERIODS.index(cell.natural_period)
@@ -237,7 +237,7 @@ def test_scatter_is_about_each_draws_own_mean():
 
 @pytest.mark.usefixtures("kernels")
 def test_records_are_numbered(numbers):
-    other = records.simulate_records(READING, PAPER, range(5, 5 + WIDTH))
+    other = records.simulate_records(READING, SEARCHED, range(5, 5 + WIDTH))
     assert np.allclose(other[:, : WIDTH - 5], numbers[:, 5:], rtol=1e-12)
 
 
@@ -283,16 +283,37 @@ def test_a_twin_with_shared_seeds_is_not_settled_by_the_evidence_of_the_own_ones
     assert not looks.is_settled(twin._replace(turns=1, moved=3.0 - twin.posterior.evidence))
 
 
-def test_draws_of_a_look_spread_over_its_points():
-    draws = make_look(0.0).draws
-    assert len(draws) == records.DRAWS
-    assert all(np.diff([draw["q_a"] for draw in draws]) > 0.0)
+def test_half_of_the_draws_are_of_the_look_before():
+    look, other = make_look(0.0), make_look(1.0)
+    points = look.posterior.points
+    assert look.draws == list(map(name_settings, points[: records.DRAWS]))
+    before = other.posterior._replace(points=points[::-1])
+    half = records.DRAWS // 2
+    expected = [*points[::-1][:half], *points[:half]]
+    assert look._replace(before=before).draws == list(map(name_settings, expected))
+
+
+def test_a_turn_samples_with_the_draws_before_it(monkeypatch):
+    asked = []
+    sampled = make_look(5.0).posterior
+
+    def take_own(_, some):
+        asked.extend(look.draws for look in some)
+        return [look.likelihood for look in some]
+
+    monkeypatch.setattr(looks, "take_own", take_own)
+    monkeypatch.setattr(looks, "sample_all", lambda some, live: [sampled for _ in some])
+    last = make_look(3.0)
+    (turned,) = looks.take_turn(None, [last])
+    assert asked == [last.draws]
+    assert (turned.turns, turned.moved) == (1, 2.0)
+    assert turned.posterior is sampled
+    assert turned.before is last.posterior
 
 
 def test_the_closest_readings_have_a_level_one_of_each_kind_of_seeds():
-    some = [make_look(-number, force="against") for number in range(6)]
+    some = [make_look(-number, force="against") for number in range(looks.CLOSEST + 2)]
     level = [make_look(-9.0), make_look(-8.0, seeds="shared"), make_look(-10.0)]
-    assert [look.posterior.evidence for look in looks.choose_closest([*some, *level])] == [
-        0.0, -1.0, -2.0, -3.0, -8.0, -9.0,
-    ]  # fmt: skip
-    assert len(looks.choose_near([*some, *level], 8.5)) == 7
+    chosen = [look.posterior.evidence for look in looks.choose_closest([*some, *level])]
+    assert chosen == [*(-float(number) for number in range(looks.CLOSEST)), -8.0, -9.0]
+    assert len(looks.choose_near([*some, *level], 8.5)) == looks.CLOSEST + 3

@@ -28,7 +28,7 @@ from experiments.ren2019.posterior import held_out, identify
 from experiments.ren2019.posterior.check import check
 from experiments.ren2019.posterior.evidence import Posterior
 from experiments.ren2019.posterior.figure import draw
-from experiments.ren2019.posterior.inference import PAPER, Inference
+from experiments.ren2019.posterior.inference import SEARCHED, Inference
 from experiments.ren2019.posterior.looks import (
     CLOSELY,
     KEPT,
@@ -90,7 +90,7 @@ def main(folder: Path) -> None:
     with show_steps():
         tell_step("components of each scheme's error")
         inference = Inference(KEPT)
-        tell_step("a first look at all readings, with the scatter of tuning=paper")
+        tell_step("a first look at all readings, with the scatter of what was searched")
         first = look_first(inference)
         write_table(folder, "first_look", tabulate_evidence(first))
         tell_step("near readings, followed with the scatter of their own draws")
@@ -112,7 +112,7 @@ def main(folder: Path) -> None:
         place = int(np.argmax([one.evidence for one in found]))
         likelihood, posterior = own[place], found[place]
         tell_step(f"the best reading: {likelihood.reading}")
-        write_table(folder, "settings", identify.tabulate_widths(posterior))
+        write_table(folder, "settings", identify.tabulate_widths(likelihood, posterior))
         draws = posterior.points[:: len(posterior.points) // 200]
         stored = np.hstack([from_unit(draws[:, : len(NAMES)]), list(map(likelihood.scales, draws))])
         names = [*NAMES, *(f"discrepancy_{scheme}" for scheme in SCHEMES)]
@@ -140,7 +140,7 @@ def main(folder: Path) -> None:
             [
                 held_out.tabulate("posterior", likelihood.reading, posterior.points[:DRAWS]),
                 held_out.tabulate("prior", likelihood.reading, priors),
-                held_out.tabulate_settings("tuning=paper", Reading(), PAPER),
+                held_out.tabulate_settings("searched", Reading(), SEARCHED),
             ]
         )
         write_table(folder, "statements", statements)

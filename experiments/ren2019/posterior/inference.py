@@ -22,14 +22,15 @@ from experiments.ren2019.posterior.settings import NAMES, Reading, from_unit
 from experiments.ren2019.posterior.tables import keep, load_table
 from owtsweep.arrays import Array
 
-#: `tuning=paper`, in which scatter is computed until a reading has a mode of its own.
-PAPER = {
+#: What a search had found that scored winners and boundaries too, before there was a posterior. The
+#: first look has its scatter, and what was held out is judged by it too.
+SEARCHED = {
     "ekf_q_a": 2.07, "ekf_q_b": 2.75e-7, "ekf_p0": 1.98, "ekf_r_gnss": 5.5e-4,
     "q_a": 21.8, "q_b": 4.24e-7, "p0": 4.62, "r_gnss": 0.35,
     "smoother_window": 19.0, "hme2_r_gnss": 0.126, "horizon": 22.0,
     "mhe_q_a": 1.21e-3, "mhe_q_b": 3.15e-7, "bias_walk": 1e-4, "bias_initial": 0.02,
 }  # fmt: skip
-assert list(PAPER) == NAMES
+assert list(SEARCHED) == NAMES
 
 
 #: Settings by name, of one draw or several of a posterior.
@@ -72,8 +73,8 @@ class Inference:
 
 
 def first_of(reading: Reading) -> tuple[Reading, Draws]:
-    """Return what gives the scatter until a reading has draws: `tuning=paper`, a level IMU."""
-    return replace(reading, force="level", spectrum="middle", seeds="own"), [PAPER]
+    """Return what gives the scatter until a reading has draws: `SEARCHED`, a level IMU."""
+    return replace(reading, force="level", spectrum="middle", seeds="own"), [SEARCHED]
 
 
 def load_records(folder: Path, reading: Reading, draws: Draws, first: int = 0) -> Array:
