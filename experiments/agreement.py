@@ -42,8 +42,11 @@ def compare_folders(made: Path, kept: Path) -> dict[str, str]:
     one has keys that the other lacks because they were added to the program later.
     """
     differences = _compare_files(made, kept, "*", _compare)
-    if (made / "config.yaml").is_file() and _identity(made) != _identity(kept):
-        differences["config.yaml"] = "is another run's"
+    if (made / "config.yaml").is_file():
+        if not (kept / "config.yaml").is_file():
+            differences["config.yaml"] = "is new"
+        elif _identity(made) != _identity(kept):
+            differences["config.yaml"] = "is another run's"
     return differences
 
 
@@ -201,8 +204,9 @@ def _numbers(made: Path, kept: Path) -> tuple[float, str]:
 
 def _relative(a: str, b: str) -> float:
     one, other = _number(a), _number(b)
-    difference = abs(one - other) / max(abs(one), abs(other))
-    return math.inf if math.isnan(difference) else difference  # a text, or NaN beside a number
+    if math.isnan(one) or math.isnan(other):  # a text, or NaN beside a number
+        return math.inf
+    return 0.0 if one == other else abs(one - other) / max(abs(one), abs(other))
 
 
 def _pixels(path: Path) -> tuple[tuple[int, int], bytes]:

@@ -42,7 +42,7 @@ TILTS, CLOSE = (-0.03, 0.04), 1e-5
 def make_records(words: list[str], hs: float, tp: float) -> Records:
     """Return the records of one sea state, Hs in m and Tp in s, under some overrides."""
     config: Any = compose(
-        ["motion=plant", "tuning=matched", f"motion.hs=[{hs}]", f"motion.tp=[{tp}]", *words]
+        ["motion=plant", f"motion.hs=[{hs}]", f"motion.tp=[{tp}]", "grid.replicates=20", *words]
     )
     angles = config.motion.friction_angle
     sea = {"hs": hs, "tp": tp, "blades": config.motion.blades[0]}

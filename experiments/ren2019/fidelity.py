@@ -108,7 +108,7 @@ def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | Non
             "schemes=[HME1,HME2]"
         )
     config, name = cast(HubConfig, run.config), run.metadata()["folder"]
-    count = min(config.grid.replicates, MOST_REPLICATES)
+    count = min(config.grid.greatest, MOST_REPLICATES)
     records = f"{count} record{'s' * (count != 1)}"
     motion = histories["history"].iloc[0]
     about = TEXTS["plant"].format(run=describe_in_a_line(config), motion=motion, records=records)

@@ -67,7 +67,7 @@ def measure_histories(config: HubConfig) -> pd.DataFrame | None:
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
         return None
-    replicates = range(min(config.grid.replicates, MOST_REPLICATES))
+    replicates = range(min(config.grid.greatest, MOST_REPLICATES))
     try:
         # The kernels release the GIL. A thread has one record at a time: 2000 s of one record take
         # tens of megabytes.

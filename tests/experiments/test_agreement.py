@@ -61,6 +61,19 @@ def test_what_differs_is_named(made):
     assert "MKF instead of HME2" in differences["best_scheme.csv"]
 
 
+def test_a_part_that_was_never_kept_is_new(made, tmp_path):
+    assert set(compare_folders(made, tmp_path / "none").values()) == {"is new"}
+
+
+@pytest.mark.parametrize(("number", "agrees"), [("0", True), ("", False), ("nan", False)])
+def test_a_zero_agrees_with_zero_alone(made, number, agrees):
+    table = made / "zero.csv"
+    kept = Path(shutil.copytree(made, made.parent / "kept"))
+    (kept / "zero.csv").write_text("a\n0.0\n")
+    table.write_text(f"a\n{number}\n")
+    assert (compare_folders(made, kept) == {}) == agrees
+
+
 def test_a_shorter_table_differs(made):
     table = made / "best_scheme.csv"
     table.write_text("\n".join(table.read_text().splitlines()[:-1]) + "\n")
