@@ -213,9 +213,10 @@ class SensorConfig(Section):
 
     gnss: Gnss = key("the position sensor")
     imu: Imu = key("the accelerometers")
-    accuracy: Literal["sigma", "bound"] = key(
+    accuracy: Literal["sigma", "uniform", "bound"] = key(
         "what gnss.sigma and imu.sigma are: standard deviations (sigma) or, as the plus-minus "
-        "signs of Table 5 may mean, bounds of three standard deviations (bound)"
+        "signs of Table 5 may mean, bounds: those of a uniform distribution (uniform), or three "
+        "standard deviations (bound)"
     )
     yaw: Finite = key("fixed yaw of the IMU", unit="deg")
     gravity: list[Finite] = key(
@@ -225,6 +226,11 @@ class SensorConfig(Section):
         min_length=2,
         max_length=2,
     )
+
+    @property
+    def deviations(self) -> float:
+        """Standard deviations that gnss.sigma and imu.sigma are."""
+        return {"sigma": 1.0, "uniform": math.sqrt(3.0), "bound": 3.0}[self.accuracy]
 
 
 class Measures(Section):

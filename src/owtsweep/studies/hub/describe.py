@@ -59,7 +59,10 @@ def describe_sensors(config: HubConfig) -> str:
 
 def _list_faults(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of what the paper's sensors do not have."""
-    listed, imu = {}, sensors.imu
+    listed: dict[str, str] = {}
+    imu = sensors.imu
+    if sensors.accuracy != "sigma":
+        listed["accuracies read as"] = sensors.accuracy
     if imu.tilt != 0.0:
         listed["IMU tilt"] = (
             "that of the structure" if isinstance(imu.tilt, str) else f"{imu.tilt:g} rad/m"

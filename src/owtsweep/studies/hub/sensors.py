@@ -99,13 +99,12 @@ def sensors(config: SensorConfig) -> Sensors:
     The tilt is 0 if it is the structure's own, which these keys do not know.
     """
     step = 1.0 / config.imu.rate
-    deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(
         step=step,
         fix_interval=round(config.imu.rate / config.gnss.rate),
         delay=round(config.gnss.delay / step),
-        position_sigma=config.gnss.sigma / deviations,
-        force_sigma=config.imu.sigma / deviations,
+        position_sigma=config.gnss.sigma / config.deviations,
+        force_sigma=config.imu.sigma / config.deviations,
         bias_walk=config.imu.bias_walk,
         yaw=float(np.deg2rad(config.yaw)),
         gravity=(float(config.gravity[0]), float(config.gravity[1])),

@@ -168,12 +168,11 @@ def _fill(plain: Plain, numbers: Mapping[str, object], path: str = "") -> Plain:
 
 def take_facts(sensors: SensorConfig) -> Facts:
     """Return the properties of configured sensors; sigmas as standard deviations."""
-    deviations = 1.0 if sensors.accuracy == "sigma" else 3.0
     return Facts(
-        gnss_sigma=sensors.gnss.sigma / deviations,
+        gnss_sigma=sensors.gnss.sigma / sensors.deviations,
         gnss_rate=sensors.gnss.rate,
         delay=sensors.gnss.delay,
-        imu_sigma=sensors.imu.sigma / deviations,
+        imu_sigma=sensors.imu.sigma / sensors.deviations,
         imu_rate=sensors.imu.rate,
         bias_walk=sensors.imu.bias_walk,
     )

@@ -216,7 +216,7 @@ def use_estimates(config: ReplayConfig, noise: Noise) -> ReplayConfig:
     """
     chosen = {one.parameter: _choose(one) for one in noise.parameters if not one.inside}
     gnss, imu = config.sensors.gnss, config.sensors.imu
-    deviations = 1.0 if config.sensors.accuracy == "sigma" else 3.0
+    deviations = config.sensors.deviations
     if (sigma := chosen.get("sensors.gnss.sigma")) is not None:
         gnss = changed(gnss, sigma=_round(deviations * sigma))
     if (delay := chosen.get("sensors.gnss.delay")) is not None:
