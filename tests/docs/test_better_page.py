@@ -120,13 +120,7 @@ def test_switch_in_a_sea_that_grows(switching: pd.DataFrame) -> None:
     keys = ["run", "measure", "scheme"]
     at = switching.set_index(keys)[["mse", "ci_low", "ci_high"]].sort_index()
     number = r"\**([\d.e-]+)\**"
-    for scheme in ("HME1", "HME2", "SWITCH"):
-        told = find(rf"\| {scheme} \| {number} \[([\d.e-]+), ([\d.e-]+)\] \| {number} \|")
-        position, velocity = (at.loc["growing", what, scheme] for what in ("position", "velocity"))
-        assert told == pytest.approx([*position, velocity["mse"]], rel=0.016)
-    told = find(rf"better than HME1 by {number} m² \[{number}, {number}\], in pairs")
-    assert told == pytest.approx(at.loc["growing", "position", "HME1 - SWITCH"].tolist(), rel=0.05)
-    run = at.loc["growing_matched", "position"]
+    run = at.loc["growing", "position"]
     told = find(
         rf"{number} in the growing and falling sea, HME1 {number} \(the difference is "
         rf"{number} \[{number}, {number}\]\), MKF {number}\."
@@ -139,34 +133,19 @@ def test_switch_in_a_sea_that_grows(switching: pd.DataFrame) -> None:
 
 def test_switch_in_seas_that_do_not_move(switching: pd.DataFrame) -> None:
     ratio = find_ratios(switching, "steady")
-    calm = ratio[ratio.index.get_level_values("amplitude") < 3.0]
-    assert calm.to_numpy() == pytest.approx(1.0, abs=5e-4)
-    assert find(r"never worse than (1\.\d+) times") == [round(ratio.max(), 2)]
-    near = ratio.xs(3.0, level="amplitude")
-    assert find(r"it has (1\.\d+), (1\.\d+), (1\.\d+) and (1\.\d+) times the lesser") == (
-        near.round(3).tolist()
-    )
-    for run, pattern in (
-        ("memory_15", r"15 s: ([\d.]+) at 4 s"),
-        ("hysteresis_1.5", r"1\.5: (1\.\d+)"),
-    ):
-        assert find(pattern) == [round(find_ratios(switching, run).iloc[0], 2)]
-    matched = find_ratios(switching, "steady_matched")
-    assert matched.xs(0.1, level="amplitude").to_numpy() == pytest.approx(1.0, abs=5e-4)
+    assert ratio.xs(0.1, level="amplitude").to_numpy() == pytest.approx(1.0, abs=5e-4)
     (most,) = find(r"at 0\.5 m it has at most ([\d.]+) times HME1's error")
-    assert round(matched.xs(0.5, level="amplitude").max(), 3) == most
-    at_tenth = switching.query(
-        "run == 'steady_matched' and amplitude == 0.1 and measure == 'position'"
-    )
+    assert round(ratio.xs(0.5, level="amplitude").max(), 3) == most
+    at_tenth = switching.query("run == 'steady' and amplitude == 0.1 and measure == 'position'")
     means = at_tenth.groupby("scheme")["mse"].mean()
     told = find(r"(2\.\de-3) in place of HME1's (2\.\de-3)")
     assert told == pytest.approx([means["SWITCH"], means["HME1"]], abs=0.05e-3)
 
 
 def test_the_boundary_that_switch_computes() -> None:
-    table = pd.read_csv(TABLES / "switching_boundary.csv").query("tuning == 'paper'")
+    table = pd.read_csv(TABLES / "switching_boundary.csv")
     told = find(r"([\d.]+), ([\d.]+), ([\d.]+), ([\d.]+) m at 3, 4, 6, 8 s")
-    assert told == table["boundary"].round(1).tolist()
+    assert told == table["boundary"].round(2).tolist()
 
 
 def test_the_conditions_and_settings_of_switch() -> None:
