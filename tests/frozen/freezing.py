@@ -196,6 +196,7 @@ def listen(heard: dict) -> Iterator[None]:
 
 def write_inputs() -> None:
     """Write the files that runs name, into the working folder: sines, always the same."""
+    shutil.copy(HERE / "paper.yaml", "paper.yaml")
     shutil.copy(HERE.parent / "studies/tower/small.yaml", "small.yaml")
     shutil.copy(ROOT / "examples" / "mast.yaml", "mast.yaml")
     script = runpy.run_path(str(ROOT / "experiments" / "tower" / "make_recorded.py"))
