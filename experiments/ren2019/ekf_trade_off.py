@@ -168,7 +168,7 @@ def correlation(config):
 
 def main(folder):
     """Compute the table, print it, and draw the figure."""
-    config = compose(["experiment=paper", "tuning=paper"])
+    config = compose(["tuning=paper"])
     records = make_records(config, PERIOD, range(20))
     sensors = records.sensors
     variance = float(np.mean([np.mean(motion.position**2) for motion in records.motion]))

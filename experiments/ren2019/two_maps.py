@@ -15,6 +15,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, cast
 
 import numpy as np
@@ -33,8 +34,7 @@ from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
-    describe_draws,
-    describe_truth,
+    describe_origin,
     find_winners,
     make_cube,
     tell_window,
@@ -46,6 +46,8 @@ from owtsweep.sweep.runs import Run
 
 LOWER, UPPER = BOUNDARY
 CRITERION = "position"
+#: Characters of a line above a map.
+WIDTH = 70
 
 
 def draw(paper: Run, matched: Run) -> Figure:
@@ -124,12 +126,12 @@ def draw_map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
     boundaries = _find_boundaries(rows, window)
     crossing = None if boundaries is None else _place_boundary(boundaries, plane)
     draw_cells(axes, shown.to_dict("records"), names, plane, labels="best", crossing=crossing)
-    axes.set_title(
-        f"Best scheme by {CRITERION} MSE, tuning: {config.tuning_name}\n"
-        f"{style.describe_window(window)}, {describe_draws(config)}\n{describe_truth(config)}",
-        loc="left",
-        fontsize=10,
-    )
+    lines = [
+        f"Best scheme by {CRITERION} MSE, tuning: {config.tuning_name}",
+        style.describe_window(window),
+        *wrap(describe_origin(config), WIDTH),
+    ]
+    axes.set_title("\n".join(lines), loc="left", fontsize=10)
     same = style.choose_groups(
         find_coinciding(make_cube(config, rows), CRITERIA), set(shown["best"])
     )

@@ -23,7 +23,7 @@ def read_map(run):
 def test_what_is_said_of_the_matched_map():
     told = r"run HME1 where the motion is larger than some (\.\d) m, and MKF from some (\.\d+) to"
     ((hme1_from, mkf_from),) = re.findall(told, PAGE)
-    best = read_map("matched_on_paper")
+    best = read_map("default")
     assert set(best.loc[best["amplitude"] > 0.2, "best"]) == {"HME1"}
     assert set(best.loc[best["amplitude"] == 0.2, "best"]) == {"MKF"}
     small = best["amplitude"] <= 0.1
@@ -41,38 +41,23 @@ def test_what_is_said_of_the_matched_map():
 
 
 def test_what_is_said_of_the_papers_map():
-    best = read_map("paper")
-    (percent,) = re.findall(r"MKF comes within (\d+) % of HME2 at \.1 m and below", PAGE)
-    near = best[best["amplitude"] <= 0.1]
-    assert set(near["best"]) == {"HME2"}
-    assert set(near["runner_up"]) == {"MKF"}
-    assert (near["mse_runner_up"] / near["mse_best"]).max() < 1.0 + int(percent) / 100
-    assert set(best["best"]) == {"HME1", "HME2"}
-    largest = best[best["best"] == "HME2"].groupby("natural_period")["amplitude"].max()
-    assert largest.is_monotonic_increasing  # small and slow
-
+    best = read_map("paper").set_index("amplitude")["best"]
+    assert set(best) == {"HME1", "HME2"}
+    assert set(best[best.index < 1.0]) == {"HME2"}
     numbers = pd.read_csv(KEPT / "paper/fidelity_numbers.csv")
-    told = r"The (\d+) numbers are met to a median factor of ([\d.]+)\."
-    ((count, factor),) = re.findall(told, PAGE)
-    assert len(numbers) == int(count)
-    assert f"{2 ** numbers['log2'].abs().median():.2f}" == factor
-
-    claims = pd.read_csv(KEPT / "paper/fidelity.csv")
-    verdicts = claims.loc[claims["kind"] == "statement", "agrees"]
-    told = r"(\d+) of the paper's (\d+) statements are reproduced, (\d+) are not"
-    ((yes, total, no),) = re.findall(told, PAGE)
-    assert len(verdicts) == int(total)
-    counts = {"reproduced": int(yes), "not reproduced": int(no)}
-    assert verdicts.value_counts().to_dict() == counts
+    assert f"could have printed {(numbers['chance'] >= 0.05).sum()} of its 64 numbers" in PAGE
+    claims = pd.read_csv(KEPT / "paper/fidelity.csv").query("kind == 'statement'")
+    held = (claims["agrees"] == "reproduced").sum()
+    assert f"{held} of its {len(claims)} statements hold" in PAGE
 
 
-def test_the_truth_of_the_maps_is_named():
-    for run in ("paper", "matched_on_paper"):
-        config, _ = read_stored(KEPT / f"{run}/config.yaml")
-        imu, records = config["sensors"]["imu"], config["grid"]["replicates"]
-        told = (config["record"]["duration"], imu["bias_initial"], imu["bias_walk"], records)
-        assert told == (1000.0, 0.02, 1e-4, 100)
-        assert config["seed"] == 2019
+def test_the_truth_of_the_map_is_named():
+    config, _ = read_stored(KEPT / "default/config.yaml")
+    imu, records = config["sensors"]["imu"], config["grid"]["replicates"]
+    told = (config["record"]["duration"], imu["bias_initial"], imu["bias_walk"], records)
+    assert told == (1000.0, 0.02, 1e-4, 100)
+    assert config["seed"] == 2019
+    assert config["measures"]["window"] == "full"
     told = "records of 1000 s, IMU bias .02 m/s² with a walk of 1e-4 m/s²/√s, 100 records"
     assert told in PAGE
 

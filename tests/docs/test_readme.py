@@ -90,7 +90,7 @@ def test_how_many_statements_are_reproduced():
 
 def test_hme1_is_best_above_a_third_of_a_metre():
     assert "HME1 above 0.3 m, else MKF or zero; mostly SKFA is better." in PROSE
-    best = pd.read_csv(KEPT / "matched_on_paper/best_scheme.csv").query("criterion == 'position'")
+    best = pd.read_csv(KEPT / "default/best_scheme.csv").query("criterion == 'position'")
     assert set(best.loc[best["amplitude"] > 0.3, "best"]) == {"HME1"}
     assert set(best.loc[best["amplitude"] < 0.3, "best"]) == {"MKF"}
     assert best.loc[best["amplitude"] < 0.2, "baseline_wins"].all()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 
@@ -18,10 +20,12 @@ from experiments.ren2019.posterior import (
     records,
     tables,
 )
+from experiments.ren2019.posterior.check import read_reading
 from experiments.ren2019.posterior.evidence import Posterior
 from experiments.ren2019.posterior.inference import SEARCHED, name_settings
 from experiments.ren2019.posterior.likelihood import Likelihood
 from experiments.ren2019.posterior.settings import (
+    ACCURACIES,
     LENGTHS,
     NAMES,
     OF_SCHEME,
@@ -29,7 +33,11 @@ from experiments.ren2019.posterior.settings import (
     Reading,
     columns_of,
     from_unit,
+    make_tuning,
 )
+from owtsweep.config import as_mapping
+from owtsweep.config.typed import value_at
+from owtsweep.studies import compose
 from owtsweep.studies.hub.kernels.layout import WIDTH
 
 #: The records of `simulate_records` and the components are of other seeds; so is what differs.
@@ -317,3 +325,25 @@ def test_the_closest_readings_have_a_level_one_of_each_kind_of_seeds():
     chosen = [look.posterior.evidence for look in looks.choose_closest([*some, *level])]
     assert chosen == [*(-float(number) for number in range(looks.CLOSEST)), -8.0, -9.0]
     assert len(looks.choose_near([*some, *level], 8.5)) == looks.CLOSEST + 3
+
+
+def test_experiment_paper_is_the_mode_of_the_best_reading():
+    """Its three digits; gains that depend on ratios of variances alone have another unit."""
+    folder = Path(__file__).parents[2] / "results/reference/posterior"
+    reading = read_reading(pd.read_csv(folder / "evidence.csv"))
+    mode = pd.read_csv(folder / "settings.csv").set_index("setting")["mode"].to_dict()
+    expected = dict(reading.motion)
+    expected["record.duration"] = reading.length
+    expected |= {f"sensors.imu.{name}": mode[name] for name in ("bias_initial", "bias_walk")}
+    share = ACCURACIES[reading.accuracy]
+    for scheme, own in OF_SCHEME.items():
+        expected |= make_tuning(scheme, {each.name: mode[each.name] for each in own}, share)
+    config = compose(["experiment=paper", "tuning=paper"])
+    assert config.sensors.deviations == pytest.approx(1.0 / share)
+    plain = as_mapping(config)
+    for key, value in expected.items():
+        found = value_at(plain, key)
+        if isinstance(value, dict):
+            assert found["rule"] == value["rule"]
+            found, value = found["scale"], value["scale"]
+        assert found == pytest.approx(value, rel=5e-3), key

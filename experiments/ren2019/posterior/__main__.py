@@ -112,7 +112,7 @@ def main(folder: Path) -> None:
         place = int(np.argmax([one.evidence for one in found]))
         likelihood, posterior = own[place], found[place]
         tell_step(f"the best reading: {likelihood.reading}")
-        write_table(folder, "settings", identify.tabulate_widths(likelihood, posterior))
+        write_table(folder, "settings", identify.tabulate_widths(posterior))
         draws = posterior.points[:: len(posterior.points) // 200]
         stored = np.hstack([from_unit(draws[:, : len(NAMES)]), list(map(likelihood.scales, draws))])
         names = [*NAMES, *(f"discrepancy_{scheme}" for scheme in SCHEMES)]

@@ -30,7 +30,10 @@ class Posterior(NamedTuple):
 
     @property
     def best(self) -> Array:
-        """The draw of the greatest likelihood, shape (dimensions,). Priors are flat in the cube."""
+        """The draw of the greatest likelihood, shape (dimensions,). Priors are flat in the cube.
+
+        Not the maximum itself: where a scheme's discrepancy may be large, that can lie in a corner.
+        """
         return np.asarray(self.points[int(np.argmax(self.likelihoods))])
 
 

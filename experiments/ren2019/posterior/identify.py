@@ -17,24 +17,14 @@ from owtsweep.arrays import Array
 UNIFORM = 12.0**-0.5
 
 
-def find_mode(likelihood: Likelihood, posterior: Posterior) -> Array:
-    """Return the point of the greatest likelihood, from the best draw on. Priors are flat there."""
-
-    def cost(point: Array) -> float:
-        return -likelihood(point)
-
-    bounds = [(1e-3, 1.0 - 1e-3)] * likelihood.dimensions
-    return np.asarray(minimize(cost, posterior.best, method="Powell", bounds=bounds).x)
-
-
-def tabulate_widths(likelihood: Likelihood, posterior: Posterior) -> pd.DataFrame:
+def tabulate_widths(posterior: Posterior) -> pd.DataFrame:
     """Return one row per setting: prior, posterior's median and 95 %, its sd over the prior's.
 
     above: probability of the upper half of the prior, in the logarithm; half without the print.
     """
     units = posterior.points[:, : len(NAMES)]
     low, middle, high = from_unit(np.quantile(units, [0.025, 0.5, 0.975], axis=0))
-    best = from_unit(find_mode(likelihood, posterior)[: len(NAMES)])
+    best = from_unit(posterior.best[: len(NAMES)])
     return pd.DataFrame(
         {
             "setting": NAMES,

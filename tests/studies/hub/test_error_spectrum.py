@@ -132,7 +132,7 @@ def test_the_noise_floor_of_an_exact_filter_is_its_covariance(walk: float) -> No
 
 def test_each_noise_has_its_own_part() -> None:
     changed = {"gnss.sigma": "gnss", "imu.sigma": "imu", "imu.bias_walk": "bias"}
-    config = configure(tuning="paper")
+    config = configure(*QUICK, tuning="paper")
     for key, source in changed.items():
         section, name = key.split(".")
         old = getattr(getattr(config.sensors, section), name)
