@@ -328,6 +328,12 @@ def test_baselines_belong_to_every_tuning_and_are_in_both_maps(tmp_path: Path) -
     texts = " ".join(text.get_text() for text in figure.findobj(Text))
     assert "NONE: an estimate of zero" in " ".join(texts.split())
     assert RUNNER_UP in " ".join(texts.split())
+    # the title of one narrow map stays beside its legend
+    (name, result), *_ = results.items()
+    narrow = maps_by_tuning.draw({name: result})
+    narrow.draw_without_rendering()
+    (title,) = (text for text in narrow.texts if text.get_text().startswith("Best scheme"))
+    assert not title.get_window_extent().overlaps(narrow.legends[0].get_window_extent())
 
 
 def test_baselines_change_no_verdict_on_the_schemes(tmp_path: Path) -> None:

@@ -30,8 +30,8 @@ from owtsweep.sweep.gather import Results
 NAME = "best_scheme_maps"
 #: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.
 COLUMN, ROW, BESIDE = (0.75, 1.1), (0.3, 0.5), 1.0
-#: Width of the legend, beside the title.
-LEGEND = 2.4
+#: Width of the legend, beside the title, and height of a line of the title.
+LEGEND, LINE = 2.4, 0.17
 #: Width of a letter of the second name.
 LETTER = 0.065
 #: A map with more cells than this has no text in the cells.
@@ -84,10 +84,16 @@ def draw(
     columns = max(len(plane.columns) for plane in planes.values())
     lines = max(len(plane.lines) for plane in planes.values())
     column, row = float(np.clip(6.0 / columns, *COLUMN)), float(np.clip(5.0 / lines, *ROW))
-    width, height = BESIDE + columns * column, 2.4 + lines * row
+    width = BESIDE + columns * column
+    across = max(width, 4.8) * len(results)
+    title = f"Best scheme by {JUDGED[criterion].title}, {style.describe_window(window)}"
+    title += f", {find_world(config).describe_values(at)}" if at else ""
+    beside = int(12 * (across - LEGEND))  # letters
+    texts = [title, *describe_origin(config).splitlines()]
+    told = [line for text in texts for line in textwrap.wrap(text, beside)]
+    height = 2.1 + LINE * len(told) + lines * row
     room = region is None and row >= ONE_LINE and column >= LETTER * (max(map(len, names)) + 9)
     text = "lines" if room else "best"
-    across = max(width, 4.8) * len(results)
     figure = style.new_figure(across, height)
     panels = figure.subplots(1, len(results), squeeze=False)[0]
     for axes, (tuning, cells) in zip(panels, shown.items(), strict=True):
@@ -105,12 +111,7 @@ def draw(
     figure.legend(
         handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
     )
-    title = f"Best scheme by {JUDGED[criterion].title}, {style.describe_window(window)}"
-    title += f", {find_world(config).describe_values(at)}" if at else ""
-    told = [title, *describe_origin(config).splitlines()]
-    beside = int(12 * (across - LEGEND))  # letters
-    wrapped = "\n".join(line for text in told for line in textwrap.wrap(text, beside))
-    figure.suptitle(wrapped, x=0.01, ha="left", fontsize=10)
+    figure.suptitle("\n".join(told), x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
     second = [RUNNER_UP] if room else []
     judged = tell_window(window, config.measures.settling_time)
