@@ -77,11 +77,12 @@ def test_map_coordinates_headers_and_dates(
     assert [row.split(",")[0] for row in rows] == [made[k].split(",")[0] for k in (1, 2, 5)]
     assert rows[0].split(",")[1:] == ["nan"] * 4 + ["inf"] * 4
     assert rows[1].split(",")[1:3] == ["6123456.789", "512345.678"]
-    stated = run_here(["MKF", "origin=6123456,512345", *SENSORS], made, capsys, monkeypatch)
+    start = ["origin=6123456,512345", "mkf.p0=[1,1,1,1]"]
+    stated = run_here(["MKF", *start, *SENSORS], made, capsys, monkeypatch)
     found = [float(item) for item in stated[1].split(",")[1:3]]
     assert stated[0].split(",")[1].startswith("6123456.000")
-    # the study's start, 0 and not sure, and the first fix
-    assert 6123456.4 < found[0] < 6123456.789
+    # the start, uncertain by 1 m, and the first fix
+    assert 6123456.6 < found[0] < 6123456.789
     assert len(stated[1].split(",")[1]) == len("6123456.73425")
 
 
