@@ -72,6 +72,7 @@ def test_a_zero_agrees_with_zero_alone(made, number, agrees):
     (kept / "zero.csv").write_text("a\n0.0\n")
     table.write_text(f"a\n{number}\n")
     assert (compare_folders(made, kept) == {}) == agrees
+    assert (compare_folders(kept, made) == {}) == agrees
 
 
 def test_a_shorter_table_differs(made):

@@ -141,19 +141,16 @@ def columns_of(scheme: str) -> list[int]:
     return [NAMES.index(setting.name) for setting in OF_SCHEME[scheme]]
 
 
-def make_tuning(scheme: str, values: dict[str, float], share: float = 1.0) -> dict[str, object]:
-    """Return the configuration's overrides for a scheme's settings; key -> value.
-
-    share: of Table 5's accuracies, the standard deviations that filters are told. Gains are equal.
-    """
+def make_tuning(scheme: str, values: dict[str, float]) -> dict[str, object]:
+    """Return the configuration's overrides for a scheme's settings; key -> value."""
     if scheme == "EKF":
         values = {name.removeprefix("ekf_"): value for name, value in values.items()}
     fix = values["hme2_r_gnss"] if scheme == "HME2" else values["r_gnss"]
-    section, told = scheme.lower(), IMU_VARIANCE * share**2
+    section = scheme.lower()
     made: dict[str, object] = {
-        f"{section}.q_a": values["q_a"] * told,
-        f"{section}.q_b": values["q_b"] * told,
-        f"{section}.p0": [values["p0"] * told] * 4,
+        f"{section}.q_a": values["q_a"] * IMU_VARIANCE,
+        f"{section}.q_b": values["q_b"] * IMU_VARIANCE,
+        f"{section}.p0": [values["p0"] * IMU_VARIANCE] * 4,
         f"{section}.r_imu": {"rule": "sigma2", "scale": 1.0},
         f"{section}.r_gnss": {"rule": "sigma2", "scale": fix * IMU_VARIANCE / FIX_VARIANCE},
     }
@@ -161,6 +158,6 @@ def make_tuning(scheme: str, values: dict[str, float], share: float = 1.0) -> di
         made["hme.smoother_window"] = round(values["smoother_window"])
     if scheme == "HME2":
         made["hme.mhe.horizon"] = round(values["horizon"])
-        made["hme.mhe.q_a"] = values["mhe_q_a"] * share**2
-        made["hme.mhe.q_b"] = values["mhe_q_b"] * share**2
+        made["hme.mhe.q_a"] = values["mhe_q_a"]
+        made["hme.mhe.q_b"] = values["mhe_q_b"]
     return made
