@@ -83,7 +83,7 @@ def test_modes():
     best = read("evidence")[reading].iloc[0]
     table = table[(table[reading] == best).all(axis=1)]
     modes = table.set_index(["table", "scheme"])
-    for place in ((8, "MKF"), (8, "HME1")):
+    for place in ((8, "MKF"), (8, "HME1"), (9, "HME1")):
         row = modes.loc[place]
         assert f"{row['printed']:.2f}" in PAGE
         assert f"{row['low']:.2f} to {row['high']:.2f}" in PAGE
