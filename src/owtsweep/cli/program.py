@@ -14,6 +14,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from importlib import import_module
 from itertools import pairwise
@@ -21,6 +22,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from owtsweep._version import __version__
+from owtsweep.cli.completing import complete_override
 from owtsweep.errors import InputError, as_text, require, shorten
 from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.log import Lines
@@ -112,7 +114,8 @@ def _add_init(parser: Parser) -> None:
     parser.add_argument("kind", choices=("scheme", "structure", "study"), help="what to write")
     parser.add_argument("name", metavar="NAME", help="its name, e.g. my_filter")
     text = "of a scheme: study=hub (default), tower, floater or blade"
-    parser.add_argument("overrides", nargs="*", default=[], metavar="study=...", help=text)
+    words = parser.add_argument("overrides", nargs="*", default=[], metavar="study=...", help=text)
+    words.completer = complete_override  # type: ignore[attr-defined]
 
 
 def _add_run(parser: Parser) -> None:
@@ -162,7 +165,8 @@ def _add_compare(parser: Parser) -> None:
 
 def _add_overrides(parser: Parser, example: str) -> None:
     text = f"Hydra override, e.g. {example}"
-    parser.add_argument("overrides", nargs="*", metavar="override", help=text)
+    words = parser.add_argument("overrides", nargs="*", metavar="override", help=text)
+    words.completer = complete_override  # type: ignore[attr-defined]
 
 
 def _add_run_options(parser: Parser) -> None:
@@ -284,10 +288,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     `argv` holds the words after the program's name; None means those of `sys.argv`.
     """
     if "_ARGCOMPLETE" in os.environ:  # the shell asks for completions
-        from owtsweep.cli.completing import complete
+        with suppress(ImportError):  # an extra
+            import argcomplete
 
-        parser = make_parser()
-        complete(parser, parser.commands.values())
+            argcomplete.autocomplete(make_parser())
     arguments = list(sys.argv[1:] if argv is None else argv)
     _warnings_to_stderr()
     try:
