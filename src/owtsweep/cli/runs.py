@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from owtsweep.cli import DONE
-from owtsweep.errors import InputError, as_text, printable, shorten
+from owtsweep.errors import InputError, printable, shorten
 
 #: Folders of runs may lie in folders of multiruns, and those in the folder that is listed.
 DEEPEST = 3
@@ -17,17 +17,16 @@ DEEPEST = 3
 OWN = {"asked", "cases", "figures", "fidelity", "records", "estimates"}
 #: Most characters of a cell.
 LONGEST_CELL = 60
-COLUMNS = ("folder", "study", "experiment or name", "tuning", "cells decided", "date", "state")
 
 
 class _Line(NamedTuple):
-    """A run in words; the fields are those of `COLUMNS`."""
+    """A run in words; the fields are the headings of the columns."""
 
     folder: str
     study: str = "-"
-    named: str = "-"
+    experiment_or_name: str = "-"
     tuning: str = "-"
-    decided: str = "-"
+    cells_decided: str = "-"
     date: str = "-"
     state: str = "-"
 
@@ -44,12 +43,13 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     folder = expand_home(options.folder)
     require_folder(folder)
-    lines = [COLUMNS, *_list_lines(folder)]
-    if len(lines) == 1:
+    lines = [*_list_lines(folder)]
+    if not lines:
         print(f"{printable(str(folder))}: it holds no run")
         return DONE
     cells = [[shorten(printable(cell), LONGEST_CELL) for cell in line] for line in lines]
-    widths = [max(len(line[n]) for line in cells) for n in range(len(COLUMNS))]
+    cells.insert(0, [name.replace("_", " ") for name in _Line._fields])
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for line in cells:
         padded = (cell.ljust(width) for cell, width in zip(line, widths, strict=True))
         print("  ".join(padded).rstrip())
@@ -58,10 +58,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 def _list_lines(home: Path) -> Iterator[_Line]:
     """Yield a line for each run below a folder, and for each folder in it without any."""
-    if (home / "config.yaml").is_file():
-        yield _describe(home, ".")
-        return
-    for path in _list_folders(home):
+    for path in [home] if (home / "config.yaml").is_file() else _list_folders(home):
         found = [*_find_runs(path, DEEPEST - 1)]
         yield from (_describe(each, str(each.relative_to(home))) for each in found)
         if not found:
@@ -98,18 +95,17 @@ def _describe(folder: Path, name: str) -> _Line:
     from owtsweep.config.stored import read_stored
     from owtsweep.sweep.manifest import read_manifest
 
+    config: Mapping[str, object] = {}
+    manifest: Mapping[str, object] = {}
+    decided = "-"
     try:
         config, _ = read_stored(folder / "config.yaml")
-    except InputError as error:
-        return _Line(name, state=f"damaged: {_leave_out_place(error, folder)}")
-    except (OSError, RecursionError) as error:
-        return _Line(name, state=f"damaged: {as_text(error)}")
-    manifest: Mapping[str, object] = {}
-    try:
+        decided = _count_decided(folder)
         manifest = read_manifest(folder)
         state = _describe_state(folder, str(manifest.get("state")))
     except InputError as error:
-        state = f"damaged: {_leave_out_place(error, folder)}"
+        reason = str(error).removeprefix(f"{folder}/").removeprefix(f"{folder}: ")
+        state = f"damaged: {reason}"
     given = config.get("name") or config.get("experiment")
     tuning = config.get("tuning")
     return _Line(
@@ -117,14 +113,10 @@ def _describe(folder: Path, name: str) -> _Line:
         str(config.get("study", "-")),
         str(given or "-"),
         ", ".join(map(str, tuning)) if isinstance(tuning, list) else str(tuning or "-"),
-        _count_decided(folder),
+        decided,
         str(manifest.get("started", "-"))[:10],
         state,
     )
-
-
-def _leave_out_place(error: InputError, folder: Path) -> str:
-    return str(error).removeprefix(f"{folder}/").removeprefix(f"{folder}: ")
 
 
 def _describe_state(folder: Path, state: str) -> str:
