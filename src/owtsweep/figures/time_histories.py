@@ -106,24 +106,16 @@ def draw(
     figure = style.new_figure(WIDTH, HEIGHT[count])
     grid = figure.subplots(count, 1, height_ratios=RATIOS[:count], sharex=shared)
     for axes, panel in zip(grid, panels, strict=True):
-        _draw_panel(axes, panel)
+        for mark in panel.marks:
+            mark.draw(axes)
+        axes.set(xlim=panel.view, ylim=panel.limits, ylabel=panel.label)
+        axes.set_title(panel.note, loc="left", fontsize=9, color=panel.note_color)
     grid[-1].set_xlabel(time_label)
     handles, labels = grid[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", frameon=False)
     figure.suptitle(title, x=0.01, ha="left", fontsize=12)
     style.footnote(figure, footnote)
     return figure
-
-
-def _draw_panel(axes: Axes, panel: Panel) -> None:
-    for mark in panel.marks:
-        mark.draw(axes)
-    axes.set_xlim(*panel.view)
-    if panel.limits != (None, None):
-        axes.set_ylim(*panel.limits)
-    axes.set_ylabel(panel.label)
-    if panel.note:
-        axes.set_title(panel.note, loc="left", fontsize=9, color=panel.note_color)
 
 
 def describe(quantity: str) -> str:
