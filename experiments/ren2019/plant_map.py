@@ -20,8 +20,7 @@ import owtsweep
 from experiments.command import read_words, write
 from experiments.ren2019.two_maps import draw_map
 from owtsweep.figures import style
-from owtsweep.figures.best_scheme_map import list_shades
-from owtsweep.figures.margin import add_legend
+from owtsweep.figures.margin import add_legend, list_shades
 from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_in_a_line

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, cast
@@ -24,10 +25,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import owtsweep
+from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.best_scheme_map import Crossing, draw_cells, list_shades
-from owtsweep.figures.margin import add_legend
+from owtsweep.figures.best_scheme_map import draw_cells
+from owtsweep.figures.margin import add_legend, list_shades
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
@@ -48,6 +50,8 @@ LOWER, UPPER = BOUNDARY
 CRITERION = "position"
 #: Characters of a line above a map.
 WIDTH = 70
+#: Where a line crosses a cell, the label moves to the left, and up or down, by this part of it.
+ASIDE = 0.3
 
 
 def draw(paper: Run, matched: Run) -> Figure:
@@ -125,7 +129,7 @@ def draw_map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
     plane, rows = Plane.of(shown, CONDITIONS), run.cases()
     boundaries = _find_boundaries(rows, window)
     crossing = None if boundaries is None else _place_boundary(boundaries, plane)
-    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best", crossing=crossing)
+    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")
     lines = [
         f"Best scheme by {CRITERION} MSE, tuning: {config.tuning_name}",
         style.describe_window(window),
@@ -139,6 +143,7 @@ def draw_map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
     notes += [f"{tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same]
     if boundaries is None or crossing is None:
         return [*notes, f"{tuning}: no boundary, since the run lacks superposed rows of it."]
+    make_way(axes, crossing)
     _draw_boundary(axes, crossing)
     return notes + _explain_absence(boundaries, tuning)
 
@@ -149,6 +154,43 @@ def _find_boundaries(rows: pd.DataFrame, window: str) -> pd.DataFrame | None:
         return find_boundary(rows, CONDITIONS, BOUNDARY, CRITERION, window)
     except InputError:
         return None
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A line across a map, with a vertical bar in the middle of each column that it passes.
+
+    `columns`: the columns with a point of the line, increasing, shape (n,). `heights`, `low`,
+    `high`: the line there, and the ends of its bars, shape (n,) each, in the coordinates of a
+    `Plane`.
+    """
+
+    columns: Array
+    heights: Array
+    low: Array
+    high: Array
+
+    def height_at(self, column: float) -> float:
+        """Return the height of the line at a place between two columns; NaN if it has no point."""
+        return float(np.interp(column, self.columns, self.heights)) if len(self.columns) else np.nan
+
+    def meets(self, column: int, line: int) -> bool:
+        """Return whether the line or its bar passes through the left or the middle of a cell."""
+        middle = self.columns == column
+        bar = (self.low[middle] < line + 0.5) & (self.high[middle] > line - 0.5)
+        heights = [self.height_at(column - ASIDE), self.height_at(column)]
+        return bool(bar.any()) or any(abs(height - line) < 0.5 for height in heights)
+
+
+def make_way(axes: Axes, line: Crossing) -> None:
+    """Move the names of schemes on a map aside where they are in the way of a line across it."""
+    for name in axes.texts:
+        column, row = map(round, name.get_position())
+        if line.meets(column, row):
+            # The bars are in the middle of the column, so they end at the name's right.
+            height = line.height_at(column - ASIDE) - row
+            up_or_down = 0.0 if abs(height) > 0.5 else -ASIDE if height > 0.0 else ASIDE
+            name.set(x=column - 0.46, y=row + up_or_down, ha="left")
 
 
 def _place_boundary(boundaries: pd.DataFrame, plane: Plane) -> Crossing:

@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import draw_cells, explain_marks, list_shades
-from owtsweep.figures.margin import HANDLERS
+from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
+from owtsweep.figures.margin import HANDLERS, list_shades
 from owtsweep.figures.plane import Plane
 
 #: Greatest number of panels in a figure; number of panels in a row if the runs differ in one key.

@@ -8,20 +8,18 @@ hatches the cells in which the data do not show which of the two is better.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
-from owtsweep.figures.margin import Shades, add_legend, list_in_legend
+from owtsweep.figures.margin import add_legend, list_in_legend, make_entry
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
@@ -47,34 +45,6 @@ LEGEND_COLUMNS, LEGEND_LINE = 3, 0.2
 #: Height of a letter of the label at the side, and of what stands between legend and footnote
 #: beside the cells: the title and the labels of the horizontal axis.
 LETTER, TITLE_AND_LABELS = 0.09, 1.1
-#: Where a line crosses a cell, the label moves to the left, and up or down, by this part of it.
-ASIDE = 0.3
-
-
-@dataclass(frozen=True)
-class Crossing:
-    """A line across a map, with a vertical bar in the middle of each column that it passes.
-
-    `columns`: the columns with a point of the line, increasing, shape (n,). `heights`, `low`,
-    `high`: the line there, and the ends of its bars, shape (n,) each, in the coordinates of a
-    `Plane`.
-    """
-
-    columns: Array
-    heights: Array
-    low: Array
-    high: Array
-
-    def height_at(self, column: float) -> float:
-        """Return the height of the line at a place between two columns; NaN if it has no point."""
-        return float(np.interp(column, self.columns, self.heights)) if len(self.columns) else np.nan
-
-    def meets(self, column: int, line: int) -> bool:
-        """Return whether the line or its bar passes through the left or the middle of a cell."""
-        middle = self.columns == column
-        bar = (self.low[middle] < line + 0.5) & (self.high[middle] > line - 0.5)
-        heights = [self.height_at(column - ASIDE), self.height_at(column)]
-        return bool(bar.any()) or any(abs(height - line) < 0.5 for height in heights)
 
 
 def draw(
@@ -126,14 +96,12 @@ def draw(
     labelled = len(rows) <= MOST_LABELS
     lines_of_text = "lines" if tall else "one line"
     draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
+    counted = f", {'up to ' * (failures > 0)}{records}" if records else ""
     axes.set_title(
-        f"Best scheme by {quantity}\n{style.describe_window(window)}, "
-        f"tuning: {tuning}{_tell_records(records, failures)}",
+        f"Best scheme by {quantity}\n{style.describe_window(window)}, tuning: {tuning}{counted}",
         loc="left",
     )
-    named = {
-        row[what] for row in rows for what in (("best", "runner_up") if labelled else ("best",))
-    }
+    named = {*shown["best"], *(shown["runner_up"] if labelled else ())}
     groups = style.choose_groups(coinciding, named)
     handles = _make_legend(rows, listed, groups, holes=len(rows) < plane.size)
     add_legend(figure, handles, columns=LEGEND_COLUMNS)
@@ -154,7 +122,6 @@ def draw_cells(
     plane: Plane,
     *,
     labels: str,
-    crossing: Crossing | None = None,
 ) -> None:
     """Draw the cells of a map of best schemes, and label the axes.
 
@@ -163,8 +130,6 @@ def draw_cells(
     labels: the text in a cell. "lines" and "one line": the best scheme, its error and the next
         best, on lines of their own or, without the error, on one. "best": the best scheme only.
         "none": no text, and the cells are drawn as pixels.
-    crossing: a line that will be drawn across the map. With labels "best", labels in its way move
-        aside.
     """
     for row in rows:
         column, number = plane.place(row)
@@ -176,10 +141,8 @@ def draw_cells(
             edge = to_rgba(text_color_on(fill), HATCH_OPACITY)
             cell |= {"hatch": HATCH, "edgecolor": edge, "linewidth": 0.0}
             axes.add_patch(Rectangle(corner, fill=False, **cell))
-        if labels == "best":
-            _label_best(axes, fill, (column, number), row["best"], crossing)
-        elif labels != "none":
-            _label(axes, fill, (column, number), row, tall=labels == "lines")
+        if labels != "none":
+            _label(axes, fill, (column, number), row, labels)
     plane.label_axes(axes)
     axes.set_facecolor(NO_RESULT)
     axes.grid(False)
@@ -187,45 +150,28 @@ def draw_cells(
     axes.spines[:].set_visible(False)
 
 
-def _label_best(
-    axes: Axes, fill: str, place: tuple[int, int], best: str, crossing: Crossing | None
-) -> None:
-    column, line = place
-    text = _style_text(fill) | {"fontsize": 7}
-    if crossing is None or not crossing.meets(column, line):
-        axes.text(column, line, best, **text)
-        return
-    # The bars are in the middle of the column, so they end at the label's right.
-    height = crossing.height_at(column - ASIDE) - line
-    up_or_down = 0.0 if abs(height) > 0.5 else -ASIDE if height > 0.0 else ASIDE
-    axes.text(column - 0.46, line + up_or_down, best, **text | {"ha": "left"})
+def _label(axes: Axes, fill: str, place: tuple[int, int], row: Row, labels: str) -> None:
+    """Write the text that `draw_cells` calls `labels` into the cell at `place`.
 
-
-def _style_text(fill: str) -> style.Look:
-    # the box hides the hatch behind the letters
-    box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0}
-    return {"color": text_color_on(fill), "bbox": box, "ha": "center", "va": "center"}
-
-
-def _label(axes: Axes, fill: str, place: tuple[int, int], row: Row, *, tall: bool) -> None:
-    """Write best scheme, its error and the next best scheme into the cell at `place`.
-
-    The colour of the cell, `fill`, gives the colour of the text. `tall` cells have room for lines.
+    The colour of the cell, `fill`, gives the colour of the text.
     """
     column, line = place
     best, runner_up = row["best"], _describe_runner_up(row)
+    box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0}  # hides the hatch behind the letters
+    write = partial(axes.text, color=text_color_on(fill), bbox=box, ha="center", va="center")
+    if labels == "best":
+        write(column, line, best, fontsize=7)
+        return
     if row["verdict"] == "tie":
         best = f"{best} ="
-    text = _style_text(fill)
-    if not tall:
-        both = f"{best} ({runner_up})" if runner_up else best
-        axes.text(column, line, both, fontsize=7, **text)
+    if labels == "one line":
+        write(column, line, f"{best} ({runner_up})" if runner_up else best, fontsize=7)
         return
     raised = 0.3 if runner_up else 0.17
-    axes.text(column, line + raised, best, fontsize=8.5, **text)
-    axes.text(column, line + raised - 0.31, show_error(row["error_best"]), fontsize=7, **text)
+    write(column, line + raised, best, fontsize=8.5)
+    write(column, line + raised - 0.31, show_error(row["error_best"]), fontsize=7)
     if runner_up:
-        axes.text(column, line - 0.31, runner_up, fontsize=6.5, **text)
+        write(column, line - 0.31, runner_up, fontsize=6.5)
 
 
 def _describe_runner_up(row: Row) -> str:
@@ -239,12 +185,6 @@ def _describe_runner_up(row: Row) -> str:
     if excess >= 999.5:
         return f"{row['runner_up']} x{excess / 100.0 + 1.0:.0f}"
     return f"{row['runner_up']} {excess:+z.{0 if abs(excess) >= 9.95 else 1}f} %"
-
-
-def _tell_records(records: str, failures: int) -> str:
-    if not records:
-        return ""
-    return f", up to {records}" if failures else f", {records}"
 
 
 def _make_legend(
@@ -262,26 +202,16 @@ def _make_legend(
         alike = next((group for group in groups if group[-1] == name), (name,))
         cells = winners.count(name)
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
-        look = style_of(name, schemes)
-        handles.append(Shades(facecolor=look.color, label=style.label_of(label)))
+        handles.append(make_entry(name, schemes, label))
     hatched = any(row["verdict"] == "open" for row in rows)
     return handles + explain_marks(hatched=hatched, holes=holes)
-
-
-def list_shades(names: Sequence[str], schemes: Sequence[str]) -> list[Artist]:
-    """Return the entries of a map's legend for `names`, in their styles among all `schemes`."""
-    return [
-        Shades(facecolor=style_of(name, schemes).color, label=style.label_of(name))
-        for name in names
-    ]
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
     """Return entries of a map's legend for hatched cells and for cells without a result."""
     marks = []
     if hatched:
-        look: style.Look = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}
-        marks.append(Patch(label="open", **look))
+        marks.append(Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="open"))
     if holes:
         marks.append(Patch(facecolor=NO_RESULT, label="no result"))
     return marks

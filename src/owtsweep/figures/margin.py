@@ -19,8 +19,9 @@ from matplotlib.transforms import Transform
 from numpy.typing import ArrayLike, NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white
+from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white, style_of
 from owtsweep.figures.plane import Row
+from owtsweep.figures.style import label_of
 
 #: The fill is the scheme's full colour where the runner-up's error is this many times the best
 #: one's, or more.
@@ -107,6 +108,16 @@ class _Strip(HandlerBase):
 
 #: For the argument `handler_map` of `Figure.legend`.
 HANDLERS: dict[type[Artist], HandlerBase] = {Shades: _Strip()}
+
+
+def make_entry(name: str, schemes: Sequence[str], label: str = "") -> Shades:
+    """Return a scheme's entry of a legend, in its style among all `schemes`; `label` or `name`."""
+    return Shades(facecolor=style_of(name, schemes).color, label=label_of(label or name))
+
+
+def list_shades(names: Sequence[str], schemes: Sequence[str]) -> list[Artist]:
+    """Return the entries of a map's legend for `names`, in their styles among all `schemes`."""
+    return [make_entry(name, schemes) for name in names]
 
 
 def add_legend(figure: Figure, handles: Sequence[Artist], columns: int) -> None:

@@ -98,12 +98,10 @@ class Plane:
 
     def label_axes(self, axes: Axes) -> None:
         """Set limits, ticks and labels of both axes."""
-        axes.set_xlim(-0.5, len(self.columns) - 0.5)
-        axes.set_ylim(-0.5, len(self.lines) - 0.5)
+        axes.set(xlim=(-0.5, len(self.columns) - 0.5), ylim=(-0.5, len(self.lines) - 0.5))
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])
         axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
-        axes.set_xlabel(self.across.title)
-        axes.set_ylabel(self.side_label)
+        axes.set(xlabel=self.across.title, ylabel=self.side_label)
 
 
 def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
-from owtsweep.figures.margin import Shades, add_legend
+from owtsweep.figures.margin import Shades, add_legend, make_entry
 from owtsweep.figures.palette import SchemeStyle, style_of, text_color_on
 from owtsweep.results.conditions import Condition
 
@@ -96,7 +96,7 @@ def draw(
         share = float(np.mean(field.baseline == number))
         if share > 0.0:
             label = f"{name}: {_describe_share(share)}"
-            handles.append(Shades(color=style_of(name, baselines).color, label=label))
+            handles.append(make_entry(name, baselines, label))
     add_legend(figure, handles, columns=2)
     style.footnote(figure, " ".join([_explain(field, origin, groups), *notes]))
     return figure
@@ -203,8 +203,7 @@ def _make_legend(
     for number, name in enumerate(schemes):
         if name not in hidden:
             share = _describe_share(float(np.mean(field.best == number)))
-            color = style_of(name, schemes).color
-            handles.append(Shades(color=color, label=style.label_of(f"{name}: {share}")))
+            handles.append(make_entry(name, schemes, f"{name}: {share}"))
     return handles
 
 

@@ -19,10 +19,10 @@ from tools import configure
 from experiments.ren2019 import published
 from experiments.ren2019.figures import sum_printed
 from experiments.ren2019.histories import measure_histories
+from experiments.ren2019.two_maps import Crossing, make_way
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, distributions, margin, style, terminal
-from owtsweep.figures.best_scheme_map import Crossing
 from owtsweep.figures.drawings import draw_each
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_best_schemes
@@ -140,7 +140,8 @@ def test_labels_of_a_map_lie_beside_the_line_that_crosses_it():
         figure = style.new_figure(6.0, 3.0)
         axes = figure.add_subplot()
         rows = table.to_dict("records")
-        best_scheme_map.draw_cells(axes, rows, schemes, plane, labels="best", crossing=line)
+        best_scheme_map.draw_cells(axes, rows, schemes, plane, labels="best")
+        make_way(axes, line)
     figure.draw_without_rendering()
     moved = set()
     for text in axes.texts:

@@ -17,8 +17,8 @@ from owtsweep.arrays import Array
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import ONE_LINE, RUNNER_UP, draw_cells, list_shades
-from owtsweep.figures.margin import HANDLERS
+from owtsweep.figures.best_scheme_map import ONE_LINE, RUNNER_UP, draw_cells
+from owtsweep.figures.margin import HANDLERS, list_shades
 from owtsweep.figures.plane import Plane
 from owtsweep.results.answer import tell_counts
 from owtsweep.results.conditions import Value

@@ -11,8 +11,8 @@ from matplotlib.patches import Patch, Rectangle
 
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY, list_shades
-from owtsweep.figures.margin import add_legend
+from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
+from owtsweep.figures.margin import add_legend, list_shades
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN
