@@ -46,7 +46,7 @@ def open_npz(path: Path) -> ChannelTable:
     Raises InputError if the archive is damaged, holds pickled objects, or has no arrays of one
         length.
     """
-    places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
+    places: dict[str, tuple[str, int]] = {}  # channel -> member, column
     lengths: set[int] = set()
     with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
@@ -54,12 +54,9 @@ def open_npz(path: Path) -> ChannelTable:
             if shape is None:
                 continue
             lengths.add(shape[0])
-            key, columns = member.filename.removesuffix(".npy"), shape[1:]
-            if not columns:
-                places[key] = (member.filename, None)
-                continue
-            for column, name in enumerate(name_columns(path, key, columns[0])):
-                places[name] = (member.filename, column)
+            key = member.filename.removesuffix(".npy")
+            channels = name_columns(path, key, shape[1]) if len(shape) == 2 else [key]
+            places.update({each: (member.filename, n) for n, each in enumerate(channels)})
     if len(lengths) != 1 or not places:
         listed = ", ".join(map(str, sorted(lengths)[:5]))
         said = f"arrays of different lengths ({listed})"
@@ -73,11 +70,11 @@ def open_npz(path: Path) -> ChannelTable:
             for file in dict.fromkeys(found[place][0] for place in wanted):
                 with archive.open(file) as stream:
                     array = np.lib.format.read_array(stream, allow_pickle=False)
+                table = array if array.ndim == 2 else array[:, None]
                 for place in wanted:
                     holder, column = found[place]
                     if holder == file:
-                        values = array if column is None else array[:, column]
-                        result[place] = np.array(values[:rows], dtype=float)
+                        result[place] = np.array(table[:rows, column], dtype=float)
         return [result[place] for place in wanted]
 
     return ChannelTable(path, "NumPy archive", names, ("",) * len(names), read, lengths.pop())

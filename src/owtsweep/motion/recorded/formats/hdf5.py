@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -65,18 +65,22 @@ def open_gtsdf(path: Path) -> ChannelTable:
     return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), read, rows)
 
 
-#: Name, shape, whether it holds real numbers, and what reads these: `matlab.Variable`.
-Listed = tuple[str, tuple[int, ...], bool, Callable[[], Array]]
+class Variable(NamedTuple):
+    """A variable of a MATLAB file, whose numbers are read on demand."""
+
+    name: str
+    shape: tuple[int, ...]
+    real: bool  # whether it is an array of real numbers
+    load: Callable[[], Array]  # of two dimensions, shaped as it
 
 
-def list_arrays(path: Path) -> list[Listed]:
-    """Return the variables of a file of MATLAB's version 7.3; read none of their numbers."""
+def list_arrays(path: Path) -> Iterator[Variable]:
+    """Yield the variables of a file of MATLAB's version 7.3; read none of their numbers."""
 
     def load(name: str) -> Array:
         with _open(path) as file:
             return np.asarray(file[name][()], dtype=float).T  # MATLAB goes down the columns
 
-    found: list[Listed] = []
     with _open(path) as file:
         require_channels(path, len(file))
         for name in file:
@@ -87,8 +91,8 @@ def list_arrays(path: Path) -> list[Listed]:
             if real:
                 kind = data.attrs.get("MATLAB_class")
                 real = kind not in (b"char", "char") and "MATLAB_empty" not in data.attrs
-            found.append((name, data.shape[::-1] if real else (), real, partial(load, name)))
-    return found
+            shape = data.shape[::-1] if real else ()
+            yield Variable(name, shape, real, partial(load, name))
 
 
 @contextmanager

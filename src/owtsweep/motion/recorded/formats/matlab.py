@@ -10,16 +10,15 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.arrays import name_columns
-from owtsweep.motion.recorded.formats.hdf5 import list_arrays
+from owtsweep.motion.recorded.formats.hdf5 import Variable, list_arrays
 from owtsweep.motion.recorded.formats.table import (
     ChannelTable,
     refuse,
@@ -47,44 +46,36 @@ class Damaged(Exception):
     """A file is not what its format says; the message is what is wrong."""
 
 
-class Variable(NamedTuple):
-    """A variable of a file, whose numbers are read on demand."""
-
-    name: str
-    shape: tuple[int, ...]
-    real: bool  # whether it is an array of real numbers
-    load: Callable[[], Array]  # of two dimensions, shaped as it
+#: What is said of a damaged file, and the errors that reading one raises.
+DAMAGED = ("is not a whole MATLAB file", Damaged, struct.error, zlib.error)
 
 
-def list_variables(path: Path) -> list[Variable]:
-    """Return the variables of a file of versions 4 to 7; read none of their numbers."""
+def list_variables(path: Path) -> Iterator[Variable]:
+    """Yield the variables of a file of versions 4 to 7; read none of their numbers."""
     with path.open("rb") as file:
         header = file.read(128)
-    order = {b"IM": "<", b"MI": ">"}.get(header[126:])
-    if order is None or 0 in header[:4]:
-        return _list_old(path)
-    size, place = path.stat().st_size, 128
-    found = []
-    with path.open("rb") as file:
+        order = {b"IM": "<", b"MI": ">"}.get(header[126:])
+        if order is None or 0 in header[:4]:
+            yield from _list_old(path)
+            return
+        size, place = path.stat().st_size, 128
         while place < size:
             file.seek(place)
-            kind, length = _unpack(order + "II", file.read(8))
+            kind, length = struct.unpack(order + "II", file.read(8))
             if place + 8 + length > size:
                 raise Damaged("it ends inside a variable")
             raw = file.read(min(length, HEAD))
             if kind == COMPRESSED:
-                raw = _inflate(raw, HEAD)
-                if _unpack(order + "I", raw[:4])[0] != MATRIX:
+                raw = zlib.decompressobj().decompress(raw, HEAD)
+                if struct.unpack(order + "I", raw[:4])[0] != MATRIX:
                     raise Damaged("a compressed element is no array")
                 raw = raw[8:]
             if kind in (MATRIX, COMPRESSED):
                 name, shape, real = _read_head(raw, order)[:3]
                 at = (place + 8, length, kind == COMPRESSED)
-                found.append(
-                    Variable(name, shape, real, partial(_load, path, name, shape, order, at))
-                )
+                load = partial(_load, path, name, shape, order, at)
+                yield Variable(name, shape, real, load)
             place += 8 + length
-    return found
 
 
 def _load(
@@ -93,7 +84,7 @@ def _load(
     begin, length, packed = at
     raw = _read(path, begin, length)
     if packed:
-        raw = _inflate(raw, HEAD + 8 * math.prod(shape))[8:]
+        raw = zlib.decompressobj().decompress(raw, HEAD + 8 * math.prod(shape))[8:]
     type_, begin, size, _ = _read_tag(raw, _read_head(raw, order)[3], order)
     if type_ not in TYPES:
         raise Damaged(f"{name} has numbers of the unknown type {type_}")
@@ -112,13 +103,12 @@ def _read(path: Path, begin: int, length: int) -> bytes:
         return file.read(length)
 
 
-def _list_old(path: Path) -> list[Variable]:
+def _list_old(path: Path) -> Iterator[Variable]:
     size, place = path.stat().st_size, 0
-    found = []
     while place < size:
         head = _read(path, place, 20 + HEAD)
-        order = "<" if 0 <= _unpack("<i", head[:4])[0] <= 9999 else ">"
-        code, rows, columns, imaginary, letters = _unpack(order + "5i", head[:20])
+        order = "<" if 0 <= struct.unpack("<i", head[:4])[0] <= 9999 else ">"
+        code, rows, columns, imaginary, letters = struct.unpack(order + "5i", head[:20])
         machine, precision, kind = code // 1000, code // 10 % 10, code % 10
         if (
             machine != (order == ">") or code // 100 % 10 or precision not in OLD or kind > 2
@@ -132,8 +122,7 @@ def _list_old(path: Path) -> list[Variable]:
         if place > size:
             raise Damaged("it ends inside a variable")
         numbers = partial(_load_old, path, name, (rows, columns), order + OLD[precision], begin)
-        found.append(Variable(name, (rows, columns), kind == 0 and not imaginary, numbers))
-    return found
+        yield Variable(name, (rows, columns), kind == 0 and not imaginary, numbers)
 
 
 def _load_old(path: Path, name: str, shape: tuple[int, ...], kind: str, begin: int) -> Array:
@@ -143,12 +132,12 @@ def _load_old(path: Path, name: str, shape: tuple[int, ...], kind: str, begin: i
 
 def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]:
     _, begin, size, place = _read_tag(raw, 0, order)
-    flags = _unpack(order + "I", raw[begin : begin + 4])[0]
+    flags = struct.unpack(order + "I", raw[begin : begin + 4])[0]
     real = (flags & 0xFF) in NUMBERS and not flags & COMPLEX
     if (flags & 0xFF) == 17:  # opaque, e.g. a table or a string: neither shape nor name follow
         return "an object", (), False, place
     _, begin, size, place = _read_tag(raw, place, order)
-    shape = _unpack(f"{order}{size // 4}i", raw[begin : begin + size])
+    shape = struct.unpack(f"{order}{size // 4}i", raw[begin : begin + size])
     _, begin, size, place = _read_tag(raw, place, order)
     if min(shape, default=-1) < 0:
         raise Damaged("an array has no shape")
@@ -156,24 +145,10 @@ def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]
 
 
 def _read_tag(raw: bytes, place: int, order: str) -> tuple[int, int, int, int]:
-    first, size = _unpack(order + "II", raw[place : place + 8])
+    first, size = struct.unpack(order + "II", raw[place : place + 8])
     if first >> 16:  # a short element: type, size and up to four bytes of data in eight
         return first & 0xFFFF, place + 4, min(first >> 16, 4), place + 8
     return first, place + 8, size, place + 8 + -(-size // 8) * 8
-
-
-def _inflate(raw: bytes, most: int) -> bytes:
-    try:
-        return zlib.decompressobj().decompress(raw, most)
-    except zlib.error as error:
-        raise Damaged(str(error)) from None
-
-
-def _unpack(layout: str, raw: bytes) -> tuple[int, ...]:
-    try:
-        return struct.unpack(layout, raw)
-    except struct.error as error:
-        raise Damaged(str(error)) from None
 
 
 def open_mat(path: Path) -> ChannelTable:
@@ -186,15 +161,12 @@ def open_mat(path: Path) -> ChannelTable:
     Raises InputError if the file is damaged or has no array of numbers; when numbers are loaded, if
         channels differ in length.
     """
-    with path.open("rb") as file:
-        begin = file.read(HEADER + len(HDF5))
+    begin = _read(path, 0, HEADER + len(HDF5))
     places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column
     left_out = []
-    with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
-        if begin.startswith((b"MATLAB 7.3", HDF5)) or begin[HEADER:] == HDF5:
-            variables = [Variable(*found) for found in list_arrays(path)]
-        else:
-            variables = list_variables(path)
+    with refuse_damaged(path, *DAMAGED):
+        is_hdf5 = begin.startswith((b"MATLAB 7.3", HDF5)) or begin[HEADER:] == HDF5
+        variables = [*(list_arrays(path) if is_hdf5 else list_variables(path))]
     for variable in variables:
         name, shape = variable.name, variable.shape
         if not variable.real or len(shape) != 2 or min(shape) < 1 or max(shape) < 2:
@@ -219,7 +191,7 @@ def open_mat(path: Path) -> ChannelTable:
             raise refuse(path, f"channels differ in length ({told}): save them equally long")
         result: dict[int, Array] = {}
         for variable in dict.fromkeys(found[place][0] for place in wanted):
-            with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
+            with refuse_damaged(path, *DAMAGED):
                 array = variable.load()
             table = array if array.shape[0] >= array.shape[1] else array.T
             for place in wanted:
