@@ -6,9 +6,8 @@ top, TwHt1TPxi of a gauge on the tower, HAWC2's states in global coordinates.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal, get_args
+from collections.abc import Collection, Mapping, Sequence
+from typing import Literal, NamedTuple, get_args
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.columns import PARTS, strip
@@ -30,12 +29,11 @@ WHOLE = {"x": "twrtptdxi", "y": "twrtptdyi"}
 GAUGES = {"x": r"twht\dtpxi", "y": r"twht\dtpyi"}
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(NamedTuple):
     """The channels chosen for the motion of the hub."""
 
     #: Channels of position_x, ... (reference_x, ... beside a specific force) or of `PARTS`.
-    roles: Mapping[str, str] = field(default_factory=dict)
+    roles: Mapping[str, str]
     problem: str = ""  # why they do not give the motion, and what would work
     note: str = ""  # what the user should know about them
 
@@ -80,15 +78,16 @@ def _choose_motion(
             raise InputError(f"columns.{clash[0]}: it and {what} are given; give one of them")
         return _choose_as_told(parts, axes, use, motion)
     if positions:
-        return Choice(note=_note_on_position(names, chosen, parts))
+        return Choice({}, note=_note_on_position(names, chosen, parts))
     if use == "reference_" and len(axes) < 2:
-        return Choice()
+        return Choice({})
     choice = _choose_by_names(names, parts, axes, use, height)
     unsaid = height is None and any(role in PARTS for role in choice.roles)
     if use == "reference_" and (unsaid or choice.problem):  # sensors can do without a reference
         return Choice(
+            {},
             note="no reference: platform and tower are composed to one only if "
-            "columns.tower_height is given; columns.reference_x=NAME takes a channel"
+            "columns.tower_height is given; columns.reference_x=NAME takes a channel",
         )
     return choice
 
@@ -102,7 +101,7 @@ def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, mot
     roles = {use + axis: parts[role_of[axis]] for axis in axes if role_of[axis] in parts}
     if not roles:
         wanted = "PtfmSurge" if motion == "platform" else "YawBrTDxt or TTDspFA"
-        return Choice(problem=f"columns.motion={motion}: no channel such as {wanted}")
+        return Choice({}, problem=f"columns.motion={motion}: no channel such as {wanted}")
     if motion == "platform":
         listed = " and ".join(roles.values())
         note = f"{listed}: the motion of the platform's reference point, not of the hub"
@@ -118,35 +117,30 @@ def _choose_by_names(
     use: str,
     tower_height: float | None,
 ) -> Choice:
-    def take(found: Mapping[str, str | None], note: str = "") -> Choice:
-        roles = {use + axis: name for axis in axes if (name := found.get(axis))}
-        return Choice(roles, note=note)
-
-    whole = {axis: find(names, pattern) for axis, pattern in WHOLE.items()}
-    if whole["x"] or whole["y"]:
-        return take(whole)
+    whole = {axis: name for axis, pattern in WHOLE.items() if (name := find(names, pattern))}
     gauges = {axis: find_all(names, pattern) for axis, pattern in GAUGES.items()}
-    bends = "tower_x" in parts or "tower_y" in parts
+    bending = {axis: parts[f"tower_{axis}"] for axis in "xy" if f"tower_{axis}" in parts}
     floats = any(role.startswith("platform") and role != "platform_yaw" for role in parts)
     alone = max(len(found) for found in gauges.values()) == 1
-    if alone and not (bends and floats and tower_height):
-        gauge = {axis: found[0] for axis, found in gauges.items() if found}
-        return take(gauge, _note_on_gauge(gauge, composable=bends and floats))
-    if floats and (bends or not any(gauges.values())):
+    if whole:
+        taken, note = whole, ""
+    elif alone and not (bending and floats and tower_height):
+        taken = {axis: found[0] for axis, found in gauges.items() if found}
+        note = _note_on_gauge(taken, composable=bool(bending) and floats)
+    elif floats and (bending or not any(gauges.values())):
         return Choice(keep_axes(parts, axes))
-    if any(gauges.values()):
+    elif any(gauges.values()):
         found = gauges["x"] or gauges["y"]
         problem = (
             f"{', '.join(found)} are gauges on the tower at heights that the file does not hold: "
             f"name the highest, e.g. columns.position_x={found[-1]}"
         )
-        if "tower_x" in parts:
-            problem += f", or take {parts['tower_x']} by columns.motion=tower if the base is fixed"
-        return Choice(problem=problem)
-    if bends:
-        bending = {axis: parts.get(f"tower_{axis}") for axis in "xy"}
-        return take(bending, _note_on_bending(name for name in bending.values() if name))
-    return Choice()
+        if "x" in bending:
+            problem += f", or take {bending['x']} by columns.motion=tower if the base is fixed"
+        return Choice({}, problem=problem)
+    else:
+        taken, note = bending, _note_on_bending(bending.values()) if bending else ""
+    return Choice({use + axis: taken[axis] for axis in axes if axis in taken}, note=note)
 
 
 def begin_position(chosen: Mapping[str, str]) -> str:
@@ -158,10 +152,9 @@ def _note_on_position(
     names: Sequence[str], chosen: Mapping[str, str], parts: Mapping[str, str]
 ) -> str:
     taken = chosen.get("position_x") or chosen.get("reference_x") or ""
-    platform = [name for role, name in parts.items() if role.startswith("platform")]
+    platform = ", ".join(name for role, name in parts.items() if role.startswith("platform"))
     if platform and strip(taken) in PATTERNS["tower_x"].split("|"):
-        listed = ", ".join(platform)
-        return f"{_note_on_bending([taken])}: the platform's motion ({listed}) is left out"
+        return f"{_note_on_bending([taken])}: the platform's motion ({platform}) is left out"
     bodies = find_all(names, r"stateposx.*global\d*")
     if taken in bodies and len(bodies) > 1:
         return (
@@ -171,10 +164,9 @@ def _note_on_position(
     return ""
 
 
-def _note_on_bending(names: Iterable[str]) -> str:
-    listed = list(names)
-    are = "is" if len(listed) == 1 else "are"
-    return f"{' and '.join(listed)} {are} relative to the tower base, whose own motion is not in it"
+def _note_on_bending(names: Collection[str]) -> str:
+    are = "is" if len(names) == 1 else "are"
+    return f"{' and '.join(names)} {are} relative to the tower base, whose own motion is not in it"
 
 
 def _note_on_gauge(gauge: Mapping[str, str], *, composable: bool) -> str:
