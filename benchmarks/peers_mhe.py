@@ -148,7 +148,7 @@ def _casadi(solver: str) -> Callable[[Window], Solver]:
             np.full(window.intervals + 1, 1.0 / np.sqrt(weights.fix_variance)),
         ]
         prior = np.kron(square_root_information(window.covariance), I2)
-        none, no_rows = np.zeros((2, 0, 0)), np.zeros((0, 6))
+        none, no_rows = np.zeros((2, window.intervals + 1, 0)), np.zeros((0, 6))
 
         def solve(w: Window) -> np.ndarray:
             # One solve, as anybody would; the package itself refines the answer by a second.

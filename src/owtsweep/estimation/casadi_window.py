@@ -80,18 +80,14 @@ class CasadiWindow:
             cost += ca.sumsqr(ca.mtimes(link, state(nodes) - predicted))
         if arrival:
             cost += ca.sumsqr(ca.mtimes(prior, state(0) - x0))
-        parameters = ca.vertcat(
-            *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale, rows))
-        )
-        problem = {"x": ca.vec(X), "p": parameters, "f": 0.5 * cost}
+        parts = (scale, rows, z, inputs, A, A_f, link, fix, x0, prior)
+        x, p = ca.vec(X), ca.vertcat(*map(ca.vec, parts))
         free = range(int(fixed_arrival), nodes + int(last_node))
-        limited = [ca.mtimes(rows, state(i)) for i in free] if constraints else []
-        if fixed_arrival:
-            limited.insert(0, state(0) - x0)
-        if limited:
-            problem["g"] = ca.vertcat(*limited)
+        held = state(0) - x0 if fixed_arrival else ca.MX(0, 1)
+        g = ca.vertcat(held, *(ca.mtimes(rows, state(i)) for i in free))
+        problem = {"x": x, "p": p, "f": 0.5 * cost, "g": g}
         self._equal = states if fixed_arrival else 0
-        self._limited = len(free) if constraints else 0
+        self._free = len(free)
         if solver == "qrqp":
             options = {"print_iter": False, "print_header": False, "print_time": False}
             solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
@@ -106,13 +102,9 @@ class CasadiWindow:
             # method, then finds the solution
             exact: dict[str, Any] = {"daqp": {"primal_tol": 1e-12}, "error_on_fail": False}
             self._solvers.append(ca.qpsol("mhe", "daqp", problem, exact))
-        self._gradient = ca.Function(
-            "gradient", [problem["x"], parameters], [ca.gradient(problem["f"], problem["x"])]
-        )
-        if constraints:
-            force = ca.MX.sym("force", problem["g"].shape[0])
-            pull = ca.jtimes(problem["g"], problem["x"], force, True)
-            self._pull = ca.Function("pull", [problem["x"], parameters, force], [pull])
+        self._gradient = ca.Function("gradient", [x, p], [ca.gradient(problem["f"], x)])
+        force = ca.MX.sym("force", g.shape[0])
+        self._pull = ca.Function("pull", [x, p, force], [ca.jtimes(g, x, force, True)])
         self._shape = (states, nodes + int(last_node))
 
     def solve(
@@ -156,14 +148,13 @@ class CasadiWindow:
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
-        limits = np.repeat(np.stack([lower, upper])[:, None], self._limited, axis=1)
+        limits = np.repeat(np.stack([lower, upper])[:, None], self._free, axis=1)
         data = (A, A_f, link, fix)
         states = self._minimum(limits, scale, rows, z, inputs, *data, x0, prior)
         predicted = A @ states[:, :-1]
         predicted[:, nodes - 1 :] = A_f @ states[:, nodes - 1 : -1]
         left = (z - states[: len(z), :nodes], inputs - (states[:, 1:] - predicted))
-        if self._limited:
-            limits = limits - (rows @ states[:, -self._limited :]).T
+        limits = limits - (rows @ states[:, -self._free :]).T
         return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
@@ -171,8 +162,8 @@ class CasadiWindow:
 
         Raises ArithmeticError if none does. `limits` are (2, constrained nodes, constraints).
         """
-        packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
-        p = np.concatenate([packed, scale, rows.ravel("F")])
+        parts = (scale, rows, *parameters)
+        p = np.concatenate([np.asarray(part, dtype=float).ravel("F") for part in parts])
         equal = np.zeros(self._equal)
         low, high = (np.concatenate([equal, limit.ravel()]) for limit in limits)
         for solve in self._solvers:
@@ -180,8 +171,7 @@ class CasadiWindow:
             answer, force = (np.asarray(solution[name]).ravel() for name in ("x", "lam_g"))
             states = answer.reshape(self._shape, order="F") * scale[:, None]
             fault = self._slope_left(answer, p, force)
-            if not fault and self._limited:
-                fault = self._broken_limit(states, rows, limits, force[self._equal :])
+            fault = fault or self._broken_limit(states, rows, limits, force)
             if not fault:
                 return np.asarray(states)
         raise ArithmeticError(f"the MHE's solver stopped {fault}")
@@ -190,7 +180,7 @@ class CasadiWindow:
         """Describe the fault if the gradient of the Lagrangian is not small; "" if it is small."""
         slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
-        if self._limited:
+        if len(force) > self._equal:
             pull = np.asarray(self._pull(answer, p, force)).ravel()
             slope = slope + pull
             start = np.append(start, pull)  # active constraints set the scale
@@ -201,13 +191,13 @@ class CasadiWindow:
 
     def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
         """Describe a violated limit, or a multiplier of one that is not reached; "" for neither."""
-        value = (rows @ states[:, -self._limited :]).T
+        value = (rows @ states[:, -self._free :]).T
         width = limits[1] - limits[0]
         below, above = (value - limits[0]) / width, (limits[1] - value) / width
-        if not min(np.min(below), np.min(above)) >= -FEASIBILITY:
+        if not np.all((below >= -FEASIBILITY) & (above >= -FEASIBILITY)):
             return "at a state that breaks a constraint"
-        force = force.reshape(width.shape)
-        idle = 1e-6 * (1.0 + np.max(np.abs(force)))
+        force = force[self._equal :].reshape(width.shape)
+        idle = 1e-6 * (1.0 + np.max(np.abs(force), initial=0.0))
         if np.any((force > idle) & (above > 1e-6)) or np.any((force < -idle) & (below > 1e-6)):
             return "where no constraint holds it"
         return ""
