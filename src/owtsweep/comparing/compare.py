@@ -12,7 +12,6 @@ import pandas as pd
 from owtsweep.comparing import report
 from owtsweep.comparing.common import Judged, find_common, judge
 from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings, Pair
-from owtsweep.comparing.report import describe_origins
 from owtsweep.errors import InputError, require
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ def compare(
     tables |= pair_tables
     if shared.boundary is None:
         tables = {name: table for name, table in tables.items() if not name.startswith("boundar")}
-    origin = describe_origins(aspects)
+    origin = report.describe_origins(aspects)
     figures, undrawn = _draw(comparison, shared, runs, folder, metadata, origin)
     overview = report.make_overview(runs, shared, tables["changed_cells"])
     text = report.write_sections(shared, tables)

@@ -106,18 +106,16 @@ def _tell_changes(changed: pd.DataFrame) -> str:
 
 def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
     if moved.empty:
-        cell = " and ".join(condition.label for condition in outer) or "cell"
-        return f"No {cell} has a boundary in both runs of a pair."
+        place = " and ".join(condition.label for condition in outer) or "cell"
+        return f"No {place} has a boundary in both runs of a pair."
     header = ["from", "to", *(condition.title for condition in outer), "ratio", "95 % interval"]
     rows = []
     for row in moved.to_dict("records"):
-        fields = [row["from_run"], row["to_run"]]
-        fields += [show_value(row[condition.name]) for condition in outer]
+        cell = [show_value(row[condition.name]) for condition in outer]
         low, high = row["ratio_low"], row["ratio_high"]
-        # an end is unknown if the two schemes did not cross in some draws
-        known = low == low and high == high
-        fields += [f"{row['ratio']:.3g}", f"{low:.3g} to {high:.3g}" if known else "not known"]
-        rows.append(fields)
+        # an end is NaN if the two schemes did not cross in some draws
+        interval = f"{low:.3g} to {high:.3g}" if low <= high else "not known"
+        rows.append([row["from_run"], row["to_run"], *cell, f"{row['ratio']:.3g}", interval])
     return markdown.table(header, rows)
 
 
@@ -127,18 +125,14 @@ def describe_origins(aspects: Sequence[Aspects]) -> str:
     One lists the settings that have one value in all runs, another those that differ. The text is
     empty if the study does not say where its numbers come from.
     """
-    names = dict.fromkeys(name for own in aspects for name in own.origin)
     common, different = [], []
-    for name in names:
+    for name in dict.fromkeys(name for own in aspects for name in own.origin):
         values = list(dict.fromkeys(own.origin.get(name, "none") for own in aspects))
         if len(values) == 1:
             common.append(f"{name} {values[0]}")
             continue
         shown = [*values[:MOST_VALUES], "..."] if len(values) > MOST_VALUES else values
         different.append(f"{name} ({', '.join(shown)})")
-    sentences = []
-    if common:
-        sentences.append(f"In all runs: {', '.join(common)}.")
-    if different:
-        sentences.append(f"The runs differ in {', '.join(different)}.")
-    return " ".join(sentences)
+    in_all = [f"In all runs: {', '.join(common)}."] if common else []
+    in_some = [f"The runs differ in {', '.join(different)}."] if different else []
+    return " ".join(in_all + in_some)
