@@ -9,7 +9,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from owtsweep.cli import DONE
+from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError, printable, shorten
+from owtsweep.io.reading import expand_home, read_json, require_folder
+from owtsweep.io.tables import read_table
+from owtsweep.sweep.manifest import read_manifest
+from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE
 
 #: Folders of runs may lie in folders of multiruns, and those in the folder that is listed.
 DEEPEST = 3
@@ -39,8 +44,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     Raises InputError if there is no such folder.
     """
-    from owtsweep.io.reading import expand_home, require_folder
-
     folder = expand_home(options.folder)
     require_folder(folder)
     lines = [*_list_lines(folder)]
@@ -92,9 +95,6 @@ def _describe_other(folder: Path) -> str:
 
 def _describe(folder: Path, name: str) -> _Line:
     """Return the line on a run, which may be another person's; its values are taken as texts."""
-    from owtsweep.config.stored import read_stored
-    from owtsweep.sweep.manifest import read_manifest
-
     config: Mapping[str, object] = {}
     manifest: Mapping[str, object] = {}
     decided = "-"
@@ -124,9 +124,6 @@ def _describe_state(folder: Path, state: str) -> str:
 
     Raises InputError if plan.json cannot be read.
     """
-    from owtsweep.io.reading import read_json
-    from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE
-
     if not os.path.lexists(folder / PLAN_FILE) or not (folder / "cases").is_dir():
         return "a copy without its cases"
     stored = read_json(folder / PLAN_FILE, MOST_BYTES)
@@ -150,8 +147,6 @@ def _describe_state(folder: Path, state: str) -> str:
 
 def _count_decided(folder: Path) -> str:
     """Return how many cells of the map are won or tied, of how many; "-" if no table says so."""
-    from owtsweep.io.tables import read_table
-
     try:
         best = read_table(folder, "best_scheme")
     except InputError:

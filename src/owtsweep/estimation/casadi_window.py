@@ -70,9 +70,8 @@ class CasadiWindow:
             return scale * X[:, i]
 
         cost = ca.MX(0)
-        for i in range(nodes):  # (11c)
-            if i > 0 or use_first_fix:
-                cost += ca.sumsqr(fix[i] * (z[:, i] - state(i)[:outputs]))
+        for i in range(0 if use_first_fix else 1, nodes):  # (11c)
+            cost += ca.sumsqr(fix[i] * (z[:, i] - state(i)[:outputs]))
         for i in range(intervals):  # (11b)
             cost += ca.sumsqr(ca.mtimes(link, state(i + 1) - ca.mtimes(A, state(i)) - inputs[:, i]))
         if last_node:  # (11d), t_f after the last fix and without a fix of its own (11i)

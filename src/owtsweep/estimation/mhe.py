@@ -102,10 +102,9 @@ def window_maps(
     J = np.zeros((rows, n * nodes))
     D = np.zeros((rows, nodes + n * intervals + n))
     sigma = np.sqrt(weights.fix_variance)
-    for i in range(nodes):
-        if i > 0 or use_first_fix:
-            J[i, n * i] = 1.0 / sigma
-            D[i, i] = 1.0 / sigma
+    for i in range(0 if use_first_fix else 1, nodes):
+        J[i, n * i] = 1.0 / sigma
+        D[i, i] = 1.0 / sigma
     for i in range(intervals):
         at = slice(nodes + n * i, nodes + n * (i + 1))
         J[at, n * i : n * (i + 1)] = -information @ weights.transition
