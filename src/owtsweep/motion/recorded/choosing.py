@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Literal, NamedTuple, get_args
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.columns import PARTS, strip
+from owtsweep.motion.recorded.columns import PARTS, assign_roles, strip
 from owtsweep.motion.recorded.composing import (
     PATTERNS,
     TRANSLATION,
@@ -38,23 +38,23 @@ class Choice(NamedTuple):
     note: str = ""  # what the user should know about them
 
 
-def add_motion(
+def choose_channels(
     table: ChannelTable,
-    chosen: Mapping[str, str],
     given: Mapping[str, str | None],
     hub: Hub,
 ) -> tuple[dict[str, str], Choice]:
-    """Replace guessed positions by the channels of the hub's motion, chosen by their names.
+    """Choose the channels of a file by their names: role -> channel, those of the hub's motion too.
 
-    chosen, given: role -> channel, as `columns.assign_roles` returned it, and as the user says.
-    Raises InputError if `hub.motion` is unknown, or the user gives both a position and parts of it.
+    given: role -> channel, as the user says; it goes before the names.
+    Raises InputError as `columns.assign_roles`, or if `hub.motion` is unknown, or the user gives
+    both a position and parts of it.
     """
+    chosen = assign_roles(table, given)
     choice = _choose_motion(table.names, chosen, given, hub)
-    roles = {role: name for role, name in chosen.items() if role not in PARTS}
-    if choice.roles:
-        for axis in "xy":
-            roles.pop(begin_position(chosen) + axis, None)
-    return {**roles, **choice.roles}, choice
+    use = begin_position(chosen)
+    replaced = [*PARTS, f"{use}x", f"{use}y"] if choice.roles else [*PARTS]
+    kept = {role: name for role, name in chosen.items() if role not in replaced}
+    return {**kept, **choice.roles}, choice
 
 
 def _choose_motion(

@@ -13,8 +13,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import check_extent, check_time, describe_gaps, find_gaps
-from owtsweep.motion.recorded.choosing import add_motion
-from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, assign_roles
+from owtsweep.motion.recorded.choosing import choose_channels
+from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES
 from owtsweep.motion.recorded.composing import Hub, compose, imply_unit
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_VALUES, ChannelTable
@@ -56,8 +56,7 @@ def describe(
     if not loaded:
         table.load(table.names, most)  # says why
     hub = Hub(motion, tower_height, rotation)
-    mapping = assign_roles(table, columns or {})
-    mapping, choice = add_motion(table, mapping, columns or {}, hub)
+    mapping, choice = choose_channels(table, columns or {}, hub)
     table = _with_units(table, mapping, units or {})
     mapping = {role: name for role, name in mapping.items() if name in loaded}
     time: Array | None = None

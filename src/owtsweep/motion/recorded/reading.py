@@ -9,11 +9,10 @@ from pathlib import Path
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
-from owtsweep.motion.recorded.choosing import add_motion, begin_position
+from owtsweep.motion.recorded.choosing import begin_position, choose_channels
 from owtsweep.motion.recorded.columns import (
     PARTS,
     ROLES,
-    assign_roles,
     find_scale,
     list_names,
     refuse_without_time,
@@ -132,10 +131,9 @@ def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub
 def _assign_roles(
     table: ChannelTable, columns: Mapping[str, str | None], hub: Hub
 ) -> tuple[dict[str, str], str]:
-    chosen = assign_roles(table, columns)
+    chosen, choice = choose_channels(table, columns, hub)
     if "time" not in chosen:
         raise refuse_without_time(table, "columns.time=NAME")
-    chosen, choice = add_motion(table, chosen, columns, hub)
     if choice.problem:
         raise refuse(table.path, choice.problem)
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
