@@ -95,8 +95,7 @@ def draw(
     for number, name in enumerate(baselines):
         share = float(np.mean(field.baseline == number))
         if share > 0.0:
-            label = f"{name}: {_describe_share(share)}"
-            handles.append(make_entry(name, baselines, label))
+            handles.append(make_entry(name, baselines, f"{name}: {_describe_share(share)}"))
     add_legend(figure, handles, columns=2)
     style.footnote(figure, " ".join([_explain(field, origin, groups), *notes]))
     return figure
