@@ -85,7 +85,6 @@ class Estimator(Protocol):
         Returns: position (m) and velocity (m/s) in NED, shape (2,) each; perhaps a covariance
             (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
         """
-        ...
 
 
 class Scheme(contract.Scheme[Known, Measured, Trajectory]):

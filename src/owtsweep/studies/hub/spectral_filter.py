@@ -42,14 +42,12 @@ class AxisFilter(Protocol):
     @property
     def bias(self) -> float:
         """The estimated bias of the IMU along the axis, m/s^2."""
-        ...
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
         """Take the next specific forces, m/s^2, and position fixes, m, shape (steps,) each.
 
         Fixes are NaN at steps without one, and come only at multiples of the fix interval.
         """
-        ...
 
 
 class KalmanAxisFilter:
