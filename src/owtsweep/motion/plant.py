@@ -34,16 +34,6 @@ DRAG_RATE = 5.0
 
 
 @dataclass(frozen=True)
-class PlantMotion(Motion):
-    """A motion of the hub, with its rotation `slope` in rad from t = 0 on, shape (steps,).
-
-    The slope is positive if the hub leans the way that positions count.
-    """
-
-    slope: Array
-
-
-@dataclass(frozen=True)
 class Plant:
     """A source of hub motion along the waves: a structure in a sea.
 
@@ -75,8 +65,11 @@ class Plant:
         """The modes of the structure with its blades."""
         return compute_modes(self.structure, self.modes, self.blades)
 
-    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> PlantMotion:
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Draw one record of any length, as `Source.realise` says; the stream is "phase".
+
+        What is felt is a - g theta, with the hub's rotation theta in rad: positive if it leans the
+        way that positions count.
 
         Raise `InputError` if the record is too short for waves, or the structure has no such modes.
         """
@@ -96,7 +89,6 @@ class Plant:
         heights, forces = compute_forces(self.structure, waves)
         answer = respond(self.vibration, heights, forces, period)
         hub = answer.sum(axis=0)
-        slope = self.vibration.slope @ answer
         speed = 2j * np.pi * np.arange(len(hub)) / period
 
         def sample(bins: NDArray[np.complex128], newest: int = 0) -> tuple[Array, Array]:
@@ -104,14 +96,10 @@ class Plant:
             return whole[:steps].copy(), whole[len(whole) - newest :].copy()
 
         position, before = sample(hub, history)
-        return PlantMotion(
-            step,
-            position,
-            sample(hub * speed)[0],
-            sample(hub * speed**2)[0],
-            before,
-            sample(slope)[0],
-        )
+        velocity, acceleration = sample(hub * speed)[0], sample(hub * speed**2)[0]
+        slope = sample(self.vibration.slope @ answer)[0]
+        felt = acceleration - self.structure.gravity * slope
+        return Motion(step, position, velocity, acceleration, before, felt)
 
 
 def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[np.complex128]]:

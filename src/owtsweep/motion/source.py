@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -28,7 +28,7 @@ class Motion:
     velocity: Array
     acceleration: Array
     before: Array
-    felt: Array | None = field(default=None, kw_only=True)
+    felt: Array | None = None
 
     @property
     def specific_force(self) -> Array:
@@ -80,7 +80,6 @@ class Source(Protocol):
         history: Number of steps before t = 0 for which positions are needed: the longest delay of a
             sensor.
         """
-        ...
 
 
 @dataclass(frozen=True)

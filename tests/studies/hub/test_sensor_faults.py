@@ -55,9 +55,8 @@ def test_the_error_spectrum_has_the_faults_of_the_sensors() -> None:
     sensors = sensing.sensors(config.sensors)
     chain = resolve("HME1").kernel(Known(sensors, config))
     motion = swing(0.37, sensors.step, seconds=600.0, delay=sensors.delay)
-    measured = sensing.observe(
-        sensing.couple(sensing.lean(motion, sensors), sensors), ALONG, sensors
-    )
+    leaning = sensing.lean(motion, sensors.tilt)
+    measured = sensing.observe(sensing.couple(leaning, sensors), ALONG, sensors)
     position, _, _ = estimates.trajectories(chain, measured.specific_force, measured.fixes)
     last = slice(-round(100.0 / sensors.step), None)  # whole periods of motion and fixes
     error = np.mean((position[:, 0] - motion.position)[last] ** 2) / 0.5

@@ -13,8 +13,8 @@ from dataclasses import replace
 from owtsweep.config import Plain
 from owtsweep.errors import InputError, require
 from owtsweep.gravity import GRAVITY
-from owtsweep.motion.plant import HIGHEST, Plant, PlantMotion
-from owtsweep.motion.source import Motion, Source
+from owtsweep.motion.plant import HIGHEST, Plant
+from owtsweep.motion.source import Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub.config import STRUCTURE, HubConfig
 from owtsweep.studies.hub.seas import LAYERS, find_structure, list_plant, make_plant
@@ -40,7 +40,8 @@ class PlantWorld(World):
     boundary = None
     words = "sea states, blades, friction angles"
     counted = "{} combinations of sea states, blades and friction angles"
-    #: Position, velocity, acceleration, the slope, and what an IMU feels, eight bytes each.
+    #: Position, velocity, acceleration, what an IMU feels, and for a while the slope: eight bytes
+    #: each.
     bytes_per_step = 40
     #: .1 s for 2000 s at 100 Hz. Schemes share it.
     seconds_per_step = 5e-7
@@ -99,12 +100,6 @@ class PlantWorld(World):
         slope = float(source.vibration.slope[0])
         # estimators multiply the tilt by GRAVITY, whatever the structure's own gravity
         return replace(sensors, tilt=slope * (source.structure.gravity / GRAVITY))
-
-    def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
-        if config.sensors.imu.tilt != STRUCTURE or not isinstance(motion, PlantMotion):
-            return super().lean(motion, sensors, config)
-        gravity = find_structure(config).gravity
-        return replace(motion, felt=motion.acceleration - gravity * motion.slope)
 
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on sea states that are steeper than waves can be."""

@@ -84,7 +84,7 @@ class Records:
             step=self.sensors.step,
             history=self.sensors.delay,
         )
-        leaning = find_world(self.config).lean(motion, self.sensors, self.config)
+        leaning = sensing.lean(motion, self.config.sensors.imu.tilt)
         return sensing.couple(leaning, self.sensors)
 
     @cached_property

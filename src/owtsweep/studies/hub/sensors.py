@@ -19,7 +19,7 @@ from owtsweep.motion.source import Motion
 from owtsweep.sensing.faults import Losses, draw_outliers
 from owtsweep.sensing.noise import WhiteNoise, WienerBias, draw_gauss_markov
 from owtsweep.streams import Streams
-from owtsweep.studies.hub.config import SensorConfig
+from owtsweep.studies.hub.config import STRUCTURE, SensorConfig
 
 
 @dataclass(frozen=True)
@@ -119,11 +119,13 @@ def fix_count(steps: int, fix_interval: int) -> int:
     return -(-steps // fix_interval)
 
 
-def lean(motion: Motion, sensors: Sensors) -> Motion:
-    """Return a motion with what an IMU feels of it that leans by `Sensors.tilt`."""
-    if sensors.tilt == 0.0:
-        return motion
-    return replace(motion, felt=motion.acceleration - sensors.lean * motion.position)
+def lean(motion: Motion, tilt: float | str) -> Motion:
+    """Return a motion with what an IMU feels of it that leans: as its structure, or by rad/m."""
+    if tilt == STRUCTURE:
+        return motion  # it says what is felt
+    lean = GRAVITY * float(tilt)
+    felt = motion.acceleration - lean * motion.position if lean else None
+    return replace(motion, felt=felt)
 
 
 def couple(motion: Motion, sensors: Sensors) -> Motion:

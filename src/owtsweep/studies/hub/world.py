@@ -14,11 +14,10 @@ from owtsweep.config.typed import value_at
 from owtsweep.errors import require
 from owtsweep.motion.departing import PacedSource, PeakSum
 from owtsweep.motion.modulation import ModulatedSource, Modulation
-from owtsweep.motion.source import Motion, Source
+from owtsweep.motion.source import Source
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
-from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import STRUCTURE, HubConfig, MotionConfig
 from owtsweep.studies.hub.seas import LAYERS, ONE_SEA, check_one_sea, list_plant, stretch_sea
 from owtsweep.studies.hub.sensors import Sensors
@@ -92,10 +91,6 @@ class World(ABC):
     def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
         """Return what estimators may know of the sensors on this source of motion."""
         return sensors
-
-    def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
-        """Return a motion with what an IMU feels of it that leans as the motion does."""
-        return sensing.lean(motion, sensors)
 
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on what makes the motion doubtful."""
