@@ -45,7 +45,7 @@ def cross(sensors: str, sea: str, overrides: list[str]) -> pd.DataFrame:
         f"schemes=[{cut},{whole}]", "grid.noise=[1]", f"grid.soil_factor={FACTORS}",
         "grid.replicates=10", *overrides,
     ])  # fmt: skip
-    rows = spread(run.cases(), "soil_factor", FACTORS)
+    rows = spread(run.cases(), {"soil_factor": FACTORS})
     summary = run.summary()
     lines = []
     told = {"sensors": sensors, "sea": sea, "tuning": TUNING, "cut": cut, "whole": whole}

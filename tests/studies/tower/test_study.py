@@ -101,7 +101,7 @@ def test_a_scheme_without_soil_counts_at_every_soil_factor() -> None:
     assert [block.content.get("soil_factor") for block in plan] == [0.5, None, 1.0, 2.0]
     assert sum(block.cases for block in plan) == 6
     rows = pd.DataFrame({"soil_factor": [0.5, np.nan], "value": [7.0, 8.0]})
-    spread = spread_axis(rows, "soil_factor", config.grid.soil_factor)
+    spread = spread_axis(rows, {"soil_factor": config.grid.soil_factor})
     assert spread.to_numpy().tolist() == [[0.5, 7.0], [0.5, 8.0], [1.0, 8.0], [2.0, 8.0]]
 
 

@@ -61,7 +61,7 @@ class Contest(Axes[C]):
     """What is a study's own in a contest.
 
     criteria: the measures by which schemes are judged.
-    list_measures: Puts names of measures in the order of tables.
+    measures: the order of measures in tables; others follow by name.
     describe_truth, describe_sensors: Say in words what a configuration's motion and sensors are.
     pairing: the keys on which the motion of a record depends, besides its conditions and number.
     ties_from: Number of records from which on a tie may be called.
@@ -70,7 +70,7 @@ class Contest(Axes[C]):
     """
 
     criteria: Mapping[str, Criterion]
-    list_measures: Callable[[Iterable[str]], list[str]]
+    measures: Sequence[str]
     describe_truth: Callable[[C], str]
     describe_sensors: Callable[[C], str]
     pairing: Sequence[str]

@@ -50,7 +50,7 @@ class ContestEngine(Engine, Generic[C]):
         """Return the next look; None if all cells are decided or have most records."""
         if not config.grid.decides:
             return None
-        rows = tables.spread_all(self.contest, config, rows)
+        rows = tables.spread(rows, self.contest.get_grid(config))
         cube = tables.make_cube(self.contest, config, rows, tables.list_competing(config, rows))
         asked = tables.ask(self.contest, config, self.rank(config))
         cells = self.contest.list_cells(config)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
@@ -10,7 +10,6 @@ from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
-from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, count_cells, make_table
 from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
@@ -24,7 +23,7 @@ def make_tables(
 
     contenders: Names of schemes, the simplest first.
     """
-    rows = spread_all(contest, config, rows)  # once, for all that follows
+    rows = spread(rows, contest.get_grid(config))  # once, for all that follows
     summary = summarise(make_cube(contest, config, rows, list_names(config.schemes)))
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     if config.grid.decides:
@@ -54,41 +53,29 @@ def ask(contest: Contest[C], config: C, contenders: Sequence[str]) -> Asked:
 def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
     """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
     return Cube.of_rows(
-        spread_all(contest, config, rows),
+        spread(rows, contest.get_grid(config)),
         schemes,
         contest.find_conditions(config),
         contest.get_grid(config),
-        measures=contest.list_measures(rows["measure"][rows["status"] == OK].unique()),
+        measures=contest.measures,
     )
 
 
-def spread_all(contest: Contest[C], config: C, rows: pd.DataFrame) -> pd.DataFrame:
-    """Repeat rows without a value of an axis at every value of it, for each axis of the map."""
-    for axis, values in contest.get_grid(config).items():
-        rows = spread(rows, axis, values)
-    return rows
-
-
-def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFrame:
+def spread(rows: pd.DataFrame, grid: Mapping[str, Sequence[float]]) -> pd.DataFrame:
     """Repeat each row without a value of an axis, which its scheme ignores, at every value."""
-    free = rows[axis].isna()
-    if not free.any():
-        return rows
-    everywhere = (
-        rows[free]
-        .drop(columns=axis)
-        .merge(pd.DataFrame({axis: [float(value) for value in values]}), how="cross")
-    )
-    return pd.concat([rows[~free], everywhere[rows.columns]], ignore_index=True)
+    for axis, values in grid.items():
+        free = rows[axis].isna()
+        if free.any():
+            every = pd.DataFrame({axis: values}, dtype=float)
+            repeated = rows[free].drop(columns=axis).merge(every, how="cross")
+            rows = pd.concat([rows[~free], repeated[rows.columns]], ignore_index=True)
+    return rows
 
 
 def find_latencies(rows: pd.DataFrame) -> dict[str, float]:
     """Return the schemes with a latency, each with its latency, s."""
-    waiting = rows[rows["measure"] == WAIT]
-    return {
-        str(name): float(of_scheme.max())
-        for name, of_scheme in waiting.groupby("scheme", observed=True)["value"]
-    }
+    waiting = rows[rows["measure"] == WAIT].groupby("scheme", observed=True)["value"]
+    return {str(name): float(latency) for name, latency in waiting.max().items()}
 
 
 def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:

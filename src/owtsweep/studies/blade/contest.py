@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import Contest, tell_single
+from owtsweep.studies.base.contest import WAIT, Contest, tell_single
 from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.blade.config import BladeConfig
-from owtsweep.studies.blade.measures import CRITERIA, list_measures
+from owtsweep.studies.blade.measures import CRITERIA, OTHERS
 from owtsweep.studies.blade.recorded import REFERENCE
 
 #: The axes that the grid may have, of which a map shows two.
@@ -61,7 +61,7 @@ COSTS = Costs(
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
-    list_measures=list_measures,
+    measures=(*CRITERIA, WAIT, *OTHERS),
     describe_truth=describe_truth,
     describe_sensors=describe_sensors,
     # keys of sensors scale noise, and move or leave out reports, but draw no other numbers

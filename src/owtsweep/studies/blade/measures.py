@@ -5,7 +5,6 @@ Signals are judged after `record.settling`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -103,9 +102,3 @@ def find_turn(true: Array, estimated: Array) -> Array:
     if not np.isfinite(estimated).all():
         return np.full((len(true), 3), np.nan)
     return np.asarray(Rotation.from_matrix(estimated.transpose(0, 2, 1) @ true).as_rotvec())
-
-
-def list_measures(names: Iterable[str]) -> list[str]:
-    """Return measures in the order of tables: criteria, then the others."""
-    names = set(names)
-    return [name for name in (*CRITERIA, WAIT, *OTHERS) if name in names]

@@ -6,7 +6,7 @@ from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest, tell_single
 from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.measures import CRITERIA, list_measures
+from owtsweep.studies.floater.measures import CRITERIA, MEASURES
 from owtsweep.studies.floater.worlds import WORLDS
 
 #: The axes that the grid may have, of which a map shows two.
@@ -68,7 +68,7 @@ COSTS = Costs(
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
-    list_measures=list_measures,
+    measures=MEASURES,
     describe_truth=describe_truth,
     describe_sensors=describe_sensors,
     # keys of sensors scale noise, and move or leave out reports, but draw no other numbers

@@ -6,8 +6,6 @@ Signals are judged after `record.settling`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from owtsweep.arrays import Array
@@ -46,6 +44,9 @@ OTHERS = {
     "lag_velocity": "by what the velocity comes late, ms; over all: the mean",
     "relative": "error over the position, 95th percentile, %; over all: the largest",
 }
+_ENDS = ("", *(f"_{dof}" for dof in DOF))
+#: All measures in the order of tables.
+MEASURES = (*CRITERIA, WAIT, *(f"{name}{end}" for name in OTHERS for end in _ENDS))
 #: Longest lag that is looked for, s, and as a part of the judged samples.
 LONGEST_LAG, LONGEST_PART = 5.0, 0.2
 #: In relative errors, a position counts as this part of its rms at least.
@@ -102,15 +103,6 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
     if estimates.latency > 0.0:
         found[WAIT] = estimates.latency
     return {name: value for name, value in found.items() if not np.isnan(value)}
-
-
-def list_measures(names: Iterable[str]) -> list[str]:
-    """Return measures in the order of tables: criteria, then the others, over all first."""
-    names = set(names)
-    listed = [*CRITERIA, WAIT]
-    for name in OTHERS:
-        listed += [name, *(f"{name}_{dof}" for dof in DOF)]
-    return [name for name in listed if name in names]
 
 
 def _find_lag(truth: Array, estimate: Array, step: float) -> Array:

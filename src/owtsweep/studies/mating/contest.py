@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import Contest, tell_single
+from owtsweep.studies.base.contest import WAIT, Contest, tell_single
 from owtsweep.studies.mating.config import MatingConfig
-from owtsweep.studies.mating.measures import CRITERIA, list_measures
+from owtsweep.studies.mating.measures import CRITERIA, OTHERS
 
 CONDITIONS = (
     Condition("sigma", "standard deviation of a fix on the blade", "m", scale="log"),
@@ -41,7 +41,7 @@ def describe_hold(config: MatingConfig) -> str:
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
-    list_measures=list_measures,
+    measures=(*CRITERIA, WAIT, *OTHERS),
     describe_truth=describe_truth,
     describe_sensors=describe_sensors,
     pairing=("seed", "record", "blade", "hub"),

@@ -5,7 +5,6 @@ Signals are judged after `record.settling`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
-from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.mating.joining import Relative
 
 #: Criteria of the maps.
@@ -68,12 +66,6 @@ def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -
     if estimated.covariance is not None:
         found["nees"] = average_nees(error, estimated.covariance[settled:])
     return {name: value for name, value in found.items() if not np.isnan(value)}
-
-
-def list_measures(names: Iterable[str]) -> list[str]:
-    """Return measures in the order of tables: criteria, then the others."""
-    names = set(names)
-    return [name for name in (*CRITERIA, WAIT, *OTHERS) if name in names]
 
 
 class Limits(NamedTuple):

@@ -13,7 +13,7 @@ from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import INPUTS, Kind
-from owtsweep.studies.tower.measures import CRITERIA, QUIETEST, list_measures
+from owtsweep.studies.tower.measures import CRITERIA, QUIETEST
 from owtsweep.studies.tower.sight import LEAN, SHIFT, find_missed, observe, set_up
 
 #: The axes of the grid.
@@ -148,7 +148,7 @@ COSTS = Costs(
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
-    list_measures=list_measures,
+    measures=tuple(CRITERIA),
     describe_truth=describe_truth,
     describe_sensors=describe_sensors,
     # keys of sensors and faults scale noise, but draw no other numbers

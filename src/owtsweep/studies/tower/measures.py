@@ -6,7 +6,7 @@ Names of measures end with the direction, "fa" or "ss". Signals are judged after
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -173,11 +173,6 @@ def find_quietest(channels: Sequence[Channel]) -> dict[str, float]:
         for kind, name in QUIETEST.items()
     }
     return {name: min(each) for name, each in noises.items() if each}
-
-
-def list_measures(names: Iterable[str]) -> list[str]:
-    """Return measures in the order of tables: criteria first, then by name."""
-    return [*CRITERIA, *sorted(set(names) - {*CRITERIA, ""})]
 
 
 def name_height(height: float) -> str:
