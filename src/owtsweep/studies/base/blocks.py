@@ -69,12 +69,8 @@ def _list_content(
 
     So a world that does not depart has the blocks of a run without others.
     """
-    told = declaration.list_content(config)
-    if world.config is config:
-        return told
-    given = declaration.list_content(world.config)
-    departed = {key: value for key, value in given.items() if told.get(key) != value}
-    departed |= world.moved
+    told, given = declaration.list_content(config), declaration.list_content(world.config)
+    departed = {key: value for key, value in given.items() if told.get(key) != value} | world.moved
     return {**told, "truth": departed} if departed else told
 
 
@@ -107,7 +103,6 @@ def plan_blocks(
     """
     values, named = axes.get_values(config), axes.find_axes(config)
     part = part or PlanPart(axes.list_cells(config), config.grid.first)
-    cells, count = part.cells, part.records
     if config.grid.decides:
         most = 1 << (min(most, FIRST).bit_length() - 1)  # it divides the records of each look
     # made once per scheme: blocks share them, so that a large plan fits into memory
@@ -115,8 +110,8 @@ def plan_blocks(
     kept = [[axis for axis in axes.names if axis not in scheme.ignored] for scheme in schemes]
     every = [prod(len(values[axis] or [None]) for axis in each.ignored) for each in schemes]
     blocks: dict[tuple[object, ...], Block] = {}
-    for cell, first in product(cells, range(0, count, most)):
-        last = min(first + most, count)
+    for cell, first in product(part.cells, range(0, part.records, most)):
+        last = min(first + most, part.records)
         numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
         group = ", ".join([*axes.tell(cell, grouping), numbers])
         for scheme, content, names, cases in zip(schemes, contents, kept, every, strict=True):
@@ -142,16 +137,6 @@ def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
     return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in entering]
 
 
-def _find_expanded(
-    declaration: AnyDeclaration, config: AnyConfig, scheme: AnyScheme
-) -> Sequence[str]:
-    """Return the axes that scale the motion, if one run of a scheme serves all their values."""
-    superposes = declaration.superposes
-    if superposes is None or not superposes(config, scheme):
-        return ()
-    return declaration.axes.find_entering("scale")
-
-
 def _run_one_tuning(
     declaration: AnyDeclaration, blocks: Sequence[Block], records: Records, config: AnyConfig
 ) -> Iterator[tuple[Block, pd.DataFrame]]:
@@ -159,23 +144,19 @@ def _run_one_tuning(
 
     Schemes that have kernels run together, with the first of their blocks of a cell.
     """
-    config, axes = blocks[0].choose(config), declaration.axes
-    schemes = {scheme.name: scheme for scheme in declaration.schemes.choose(config)}
+    config, axes, batch = blocks[0].choose(config), declaration.axes, declaration.batch
+    by_name = {scheme.name: scheme for scheme in declaration.schemes.choose(config)}
+    schemes = [by_name[block.content["scheme"]] for block in blocks]
     cells = [_find_cell(axes, block) for block in blocks]
-    batch = declaration.batch
+    both = config, records.world.config
     batched = [
-        batch is not None
-        and all(
-            batch.serves(each, schemes[block.content["scheme"]])
-            for each in (config, records.world.config)
-        )
-        for block in blocks
+        batch is not None and all(batch.serves(each, scheme) for each in both) for scheme in schemes
     ]
     ready: dict[int, list[Judgement[Any]] | Exception] = {}
-    for number, (block, cell) in enumerate(zip(blocks, cells, strict=True)):
+    for number, (block, scheme, cell) in enumerate(zip(blocks, schemes, cells, strict=True)):
         if batch is not None and batched[number] and number not in ready:
             together = [n for n in range(number, len(blocks)) if batched[n] and cells[n] == cell]
-            chosen = [schemes[blocks[n].content["scheme"]] for n in together]
+            chosen = [schemes[n] for n in together]
             found = batch.run(config, cell, records.gather(cell), chosen)
             ready.update(zip(together, found, strict=True))
         if number in ready:
@@ -183,12 +164,12 @@ def _run_one_tuning(
             if isinstance(judged, Exception):
                 raise judged
         else:
-            scheme = Readied(declaration, schemes[block.content["scheme"]])
+            readied = Readied(declaration, scheme)
             judged = [
-                judge_record(declaration, config, cell, record, parts, scheme)
+                readied.judge(config, cell, record, parts)
                 for record, parts in records.take(config, cell)
             ]
-        labels = block.content["scheme"], cell, axes.names, records.replicates, judged
+        labels = scheme.name, cell, axes.names, records.replicates, judged
         if declaration.superposes is None:
             yield block, make_rows(*labels)
         else:
@@ -211,16 +192,30 @@ class Readied:
     def run(self, part: AnyPart) -> object:
         """Estimate from one part of a record; raise `Unable` if the scheme cannot work with it."""
         known = self.declaration.tell(self.scheme, part.known)
-        made = self._made.get(known)
-        if made is None:
+        if known not in self._made:
             try:
-                made = self.scheme.prepare(known)
+                self._made[known] = self.scheme.prepare(known)
             except Unable as reason:
-                made = reason
-            self._made[known] = made
+                self._made[known] = reason
+        made = self._made[known]
         if isinstance(made, Unable):
             raise made
         return made.run(part.measured)
+
+    def judge(
+        self, config: AnyConfig, cell: Cell, record: object, parts: Mapping[str, AnyPart]
+    ) -> Judgement[Any]:
+        """Run the scheme on the parts of a record, and judge its estimates."""
+        declaration = self.declaration
+        try:
+            estimates = {name: self.run(part) for name, part in parts.items()}
+            for given in estimates.values():
+                check_estimates(declaration, given, declaration.count_samples(record))
+            return Judgement(declaration.score(config, cell, record, parts, estimates))
+        except (KeyboardInterrupt, InputError):  # a wrong input fails the block
+            raise
+        except BaseException as error:  # a user's scheme may raise anything
+            return explain(error)
 
 
 class Records:
@@ -274,13 +269,9 @@ class Records:
 
 def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int) -> None:
     """Raise `NotFinite`, naming the field, unless estimates have the declared shapes."""
-    try:
-        values = {name: getattr(estimates, name) for name in declaration.estimates}
-    except AttributeError as error:
-        raise NotFinite(f"the estimates lack {error.name}") from None
     for name, field in declaration.estimates.items():
-        value = values[name]
-        if value is None and field.optional:
+        value = getattr(estimates, name, None)
+        if value is None and field.optional and hasattr(estimates, name):
             continue
         if value is None:
             raise NotFinite(f"the estimates lack {name}")
@@ -290,26 +281,6 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
         ):
             text = ", ".join("any" if size == -1 else str(size) for size in wanted)
             raise NotFinite(f"{name} has the shape {shape}, not ({text})")
-
-
-def judge_record(
-    declaration: AnyDeclaration,
-    config: AnyConfig,
-    cell: Cell,
-    record: object,
-    parts: Mapping[str, AnyPart],
-    scheme: Readied,
-) -> Judgement[Any]:
-    """Run a scheme on the parts of a record, and judge its estimates."""
-    try:
-        estimates = {name: scheme.run(part) for name, part in parts.items()}
-        for given in estimates.values():
-            check_estimates(declaration, given, declaration.count_samples(record))
-        return Judgement(declaration.score(config, cell, record, parts, estimates))
-    except (KeyboardInterrupt, InputError):  # a wrong input fails the block
-        raise
-    except BaseException as error:  # a user's scheme may raise anything
-        return explain(error)
 
 
 def explain(error: BaseException) -> Judgement[Any]:
@@ -332,16 +303,14 @@ class DeclaredBlocks:
         """
         made, table = self.declaration, self.declaration.schemes
         made.require(config)
-        schemes = [
-            Planned(
-                scheme.name,
-                [*find_ignored(made, scheme), *_find_expanded(made, config, scheme)],
-                table.describe_content(config, entry, scheme),
-                table.explain_recompute(scheme),
-                scheme.knows_motion,
-            )
-            for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True)
-        ]
+        schemes: list[Planned] = []
+        for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True):
+            ignored = find_ignored(made, scheme)
+            if made.superposes is not None and made.superposes(config, scheme):
+                ignored += made.axes.find_entering("scale")  # one run serves all their values
+            content = table.describe_content(config, entry, scheme)
+            recompute = table.explain_recompute(scheme)
+            schemes.append(Planned(scheme.name, ignored, content, recompute, scheme.knows_motion))
         most = made.most_records(config)
         places = ("world",) if made.shared == "truth" else ("world", "sensors")
         grouping = made.axes.find_entering(*places)
@@ -349,9 +318,7 @@ class DeclaredBlocks:
         for name, world in find_worlds(made, config).items():
             content = _list_content(made, config, world)
             blocks = plan_blocks(made.axes, config, schemes, content, most, grouping, part)
-            planned += (
-                blocks if config.over is None else [_name_world(block, name) for block in blocks]
-            )
+            planned += [_name_world(block, name) for block in blocks] if config.over else blocks
         return planned
 
     def run(

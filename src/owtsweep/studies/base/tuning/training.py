@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.base.blocks import Readied, Records, judge_record
+from owtsweep.studies.base.blocks import Readied, Records
 from owtsweep.studies.base.contest import AnyContest
 from owtsweep.studies.base.declaration import AnyDeclaration
 
@@ -56,7 +56,7 @@ class Training:
         values = []
         for cell, records in self._records:
             judged = [
-                judge_record(declaration, tuned, cell, record, parts, ready).found or {}
+                ready.judge(tuned, cell, record, parts).found or {}
                 for record, parts in records.take(tuned, cell)
             ]
             values.append([float(each.get(measure, np.nan)) for each in judged])
