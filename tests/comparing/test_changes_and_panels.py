@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.comparing.changes import compare_cells
+from owtsweep.comparing.changes import compare_cells, compare_schemes
 from owtsweep.comparing.comparison import Candidate, Comparison, Pair
 from owtsweep.comparing.maps import arrange
 
@@ -28,6 +28,18 @@ def test_a_change_needs_both_gaps_and_holm_counts_every_cell():
     assert [row["amplitude"] for row in rows] == [1.0, 3.0]
     assert [row["established"] for row in rows] == [True, False]
     assert rows[0]["change"] == pytest.approx(-0.2)
+
+
+@pytest.mark.parametrize(
+    ("paired", "counts"), [(True, [(2, 2), (1, 1)]), (False, [(3, 3), (1, 3)])]
+)
+def test_pairs_count_the_replicates_that_both_runs_have(paired, counts):
+    index = pd.MultiIndex.from_product([["P"], [1.0, 2.0, 3.0]], names=["scheme", "period"])
+    nan = np.nan
+    first = pd.DataFrame([[1.0, 2.0, nan, 4.0], [1.0, nan, nan, nan], [nan] * 4], index=index)
+    second = pd.DataFrame([[2.0, 4.0, 9.0, nan], [3.0, nan, 1.0, 1.0], [1.0] * 4], index=index)
+    rows = compare_schemes(first, second, paired=paired)
+    assert [(row["n_from"], row["n_to"]) for row in rows] == counts
 
 
 def comparison(values: list[dict]) -> Comparison:

@@ -40,7 +40,6 @@ def test_pairing_counts_only_what_both_have_and_little_data_claims_nothing():
     other = np.array([[2.0, 4.0, 9.0, np.nan], [3.0, np.nan, 1.0, 1.0], [1.0] * 4])
     found = difference(one, other, paired=True)
     assert found.value[:2].tolist() == [1.5, 2.0]
-    assert found.n_first.tolist() == [2, 1, 0]
     assert found.p[1:].tolist() == [1.0, 1.0]
     assert np.isnan(found.low[1:]).all()
     assert ratio(one, other, paired=True).value[0] == pytest.approx(2.0)

@@ -83,8 +83,8 @@ def compare_cells(
         **_name_columns("gap_from", gap_from),
         **_name_columns("gap_to", gap_to),
         **_name_columns("change", difference(before, after, paired=paired)),
-        n_from=gap_from.n_first,
-        n_to=gap_to.n_first,
+        n_from=np.isfinite(before).sum(axis=1),
+        n_to=np.isfinite(after).sum(axis=1),
         established=holm(p_values)[: len(cells)],
     )
     return table.to_dict("records")
@@ -111,8 +111,8 @@ def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) 
         mse_to=gap(b).value,
         **_name_columns("difference", change),
         **_name_columns("ratio", ratio(a, b, paired=paired)),
-        n_from=change.n_first,
-        n_to=change.n_second,
+        n_from=np.isfinite(a).sum(axis=1),
+        n_to=np.isfinite(b).sum(axis=1),
         verdict=np.where(holm(change.p), words, ""),
     )
     return table[np.isfinite(change.value)].to_dict("records")

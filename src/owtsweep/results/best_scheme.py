@@ -16,7 +16,7 @@ from owtsweep.errors import require
 from owtsweep.results.conditions import sort_lines
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
-from owtsweep.results.status import tell_in_best_scheme
+from owtsweep.results.status import OK, UNABLE
 from owtsweep.statistics.contest import agree, challenge, contest, group_coinciding
 from owtsweep.statistics.inference import holm
 
@@ -118,9 +118,24 @@ def find_best_schemes(
         tables.append(table)
     if not tables:
         return pd.DataFrame(columns=columns)
-    order = dict(zip(cube.names, cube.levels, strict=True))
-    whole = sort_lines(pd.concat(tables), order)
-    return tell_in_best_scheme(whole[columns], cube.unable, cube.names)
+    return finish(pd.concat(tables)[columns], cube)
+
+
+def finish(table: pd.DataFrame, cube: Cube) -> pd.DataFrame:
+    """Sort a table best_scheme by the conditions, and say where a scheme was unable to work.
+
+    If one was in any cell, there are also the columns `status` and `reason`. The status is "unable"
+    where a scheme was, which the reason names; otherwise it is "ok", and the reason "".
+    """
+    table, unable = sort_lines(table, dict(zip(cube.names, cube.levels, strict=True))), cube.unable
+    if unable.empty:
+        return table
+    who = unable["scheme"] + ": " + unable["reason"]
+    reasons = who.groupby([unable[name] for name in cube.names]).agg("; ".join).rename("reason")
+    marked = table.merge(reasons, how="left", left_on=cube.names, right_index=True)
+    marked["reason"] = marked["reason"].fillna("")
+    marked["status"] = [UNABLE if reason else OK for reason in marked["reason"]]
+    return marked[[*table.columns, "status", "reason"]]
 
 
 def find_coinciding(

@@ -65,21 +65,3 @@ def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
     marked = table.assign(status=OK, reason="")
     lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=marked.columns)
     return pd.concat([marked, lines]) if len(marked) else lines
-
-
-def tell_in_best_scheme(
-    table: pd.DataFrame, unable: pd.DataFrame, names: Sequence[str]
-) -> pd.DataFrame:
-    """Add `status` and `reason` to a best-scheme table if a scheme was unable to work in any cell.
-
-    `unable` is from `list_unable`, `names` are the conditions. The status is "unable" where a
-    scheme was, which the reason names; otherwise it is "ok", and the reason "".
-    """
-    if unable.empty:
-        return table
-    who = unable["scheme"] + ": " + unable["reason"]
-    reasons = who.groupby([unable[name] for name in names]).agg("; ".join).rename("reason")
-    marked = table.merge(reasons, how="left", left_on=list(names), right_index=True)
-    marked["reason"] = marked["reason"].fillna("")
-    marked["status"] = [UNABLE if reason else OK for reason in marked["reason"]]
-    return marked[[*table.columns, "status", "reason"]]

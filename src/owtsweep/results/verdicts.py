@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.results.best_scheme import ERROR_COLUMNS, VERDICT_COLUMNS
-from owtsweep.results.conditions import Value, sort_lines
+from owtsweep.results.best_scheme import ERROR_COLUMNS, VERDICT_COLUMNS, finish
+from owtsweep.results.conditions import Value
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
-from owtsweep.results.status import UNABLE, tell_in_best_scheme
+from owtsweep.results.status import UNABLE
 from owtsweep.statistics.contest import Flags, agree
 from owtsweep.statistics.deciding import (
     ENOUGH,
@@ -202,9 +202,7 @@ def make_table(cube: Cube, rows: pd.DataFrame, asked: Asked) -> pd.DataFrame:
             lines.append({**line, "more": _estimate_more(cell, decision, rule, asked.cells)})
     if not lines:
         return pd.DataFrame(columns=columns)
-    order: dict[str, Sequence[object]] = dict(zip(cube.names, cube.levels, strict=True))
-    table = sort_lines(pd.DataFrame(lines), order)
-    return tell_in_best_scheme(table[columns], cube.unable, cube.names)
+    return finish(pd.DataFrame(lines)[columns], cube)
 
 
 def _describe(

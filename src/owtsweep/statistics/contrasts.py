@@ -24,25 +24,19 @@ class Contrast(NamedTuple):
 
     `value`, `low`, `high`: the estimate and the ends of its 95 % confidence interval; the ends are
     NaN where there is too little data. `p`: two-sided p-value; 1 where there is too little data.
-    `n_first`, `n_second`: numbers of replicates of the first and of the second sample.
     """
 
     value: Array
     low: Array
     high: Array
     p: Array
-    n_first: Counts
-    n_second: Counts
 
 
 def gap(samples: Array) -> Contrast:
-    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test.
-
-    `value` is the mean; `n_first` and `n_second` are both the number of finite samples.
-    """
+    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test."""
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
-    return _student(mean, error, n - 1.0, n, n)
+    return _student(mean, error, n - 1.0)
 
 
 def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
@@ -54,8 +48,7 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
         return gap(second - first)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         (a, error_a, n_a), (b, error_b, n_b) = mean_and_error(first), mean_and_error(second)
-        error, freedom = _welch(error_a, n_a, error_b, n_b)
-    return _student(b - a, error, freedom, n_a, n_b)
+        return _welch(b - a, error_a, n_a, error_b, n_b)
 
 
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
@@ -72,26 +65,25 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
         if paired:
             influence = second / b[..., None] - first / a[..., None]
             _, error, n = mean_and_error(influence)
-            freedom = n - 1.0
+            logs = _student(np.log(b / a), error, n - 1.0)
         else:
-            error, freedom = _welch(error_a / a, n_a, error_b / b, n_b)
-        logs = _student(np.log(b / a), error, freedom, n_a, n_b)
+            logs = _welch(np.log(b / a), error_a / a, n_a, error_b / b, n_b)
         return logs._replace(value=b / a, low=np.exp(logs.low), high=np.exp(logs.high))
 
 
-def _welch(error_a: Array, n_a: Counts, error_b: Array, n_b: Counts) -> tuple[Array, Array]:
-    """Compute the standard error of the difference of two means, and its degrees of freedom.
+def _welch(value: Array, error_a: Array, n_a: Counts, error_b: Array, n_b: Counts) -> Contrast:
+    """Compare the difference `value` of two means with zero, by Welch's t-test.
 
     The degrees of freedom follow Welch and Satterthwaite.
     """
     error = np.sqrt(error_a**2 + error_b**2)
     share_a, share_b = error_a**4 / (n_a - 1.0), error_b**4 / (n_b - 1.0)
     exact = (error == 0.0) & (n_a > 1) & (n_b > 1)
-    return error, np.where(exact, n_a + n_b - 2.0, error**4 / (share_a + share_b))
+    freedom = np.where(exact, n_a + n_b - 2.0, error**4 / (share_a + share_b))
+    return _student(value, error, freedom)
 
 
-def _student(value: Array, error: Array, freedom: Array, n_a: Counts, n_b: Counts) -> Contrast:
+def _student(value: Array, error: Array, freedom: Array) -> Contrast:
     testable = np.isfinite(value) & np.isfinite(error) & (freedom > 0)
     margin = np.where(testable, t_quantile(freedom) * error, np.nan)
-    p = p_value(value, error, freedom)
-    return Contrast(value, value - margin, value + margin, p, n_a, n_b)
+    return Contrast(value, value - margin, value + margin, p_value(value, error, freedom))
