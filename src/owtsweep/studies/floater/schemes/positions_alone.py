@@ -15,7 +15,6 @@ the waves in any case.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -78,26 +77,18 @@ def find_waves(setting: Setting) -> Array:
     return np.asarray(np.maximum(setting.frequency, mean))
 
 
-@dataclass(frozen=True)
-class PassiveObserver:
-    """The observer with its wave frequencies (6,) and gains (5, 6)."""
-
-    setting: Setting
-    waves: Array
-    gains: Array
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the reports of a record."""
-        reported = np.ascontiguousarray(keep_reports(self.setting, measured))
-        position, velocity = np.empty_like(reported), np.empty_like(reported)
-        observe(
-            reported, measured.step, self.setting.frequency, np.full(len(DOF), DAMPING),
-            self.waves, self.gains, find_start(reported.T)[:, 0].copy(), (position, velocity),
-        )  # fmt: skip
-        return Estimates(position, velocity)
+def watch(gains: Array, setting: Setting, measured: Measured) -> Estimates:
+    """Estimate from the reports of a record, by the observer with its gains, (5, 6)."""
+    reported = np.ascontiguousarray(keep_reports(setting, measured))
+    position, velocity = np.empty_like(reported), np.empty_like(reported)
+    observe(
+        reported, measured.step, setting.frequency, np.full(len(DOF), DAMPING),
+        find_waves(setting), gains, find_start(reported.T)[:, 0].copy(), (position, velocity),
+    )  # fmt: skip
+    return Estimates(position, velocity)
 
 
-def prepare_observer(setting: Setting) -> PassiveObserver:
+def prepare_observer(setting: Setting) -> ByFunction[Setting, Measured, Estimates]:
     """Choose the gains of PASSIVE_OBSERVER; `Unable` if the observer is unstable with them."""
     waves = find_waves(setting)
     best = setting.tuning.observer * balance_lag_and_noise(setting)
@@ -111,7 +102,7 @@ def prepare_observer(setting: Setting) -> PassiveObserver:
                 f"grows by {growth:.3g} per sample; a higher record.rate or a lower "
                 "filters.observer may help"
             )
-    return PassiveObserver(setting, waves, gains)
+    return ByFunction(partial(watch, gains), setting)
 
 
 LOWPASS = Direct("LOWPASS", partial(ByFunction, smooth))
