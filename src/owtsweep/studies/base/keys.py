@@ -7,8 +7,15 @@ from typing import Any
 
 from pydantic import BeforeValidator
 
-from owtsweep.config import Section, key
+from owtsweep.config import Positive, Section, key
 from owtsweep.config.records import Records
+
+
+class Mode(Section):
+    """A resonance; each study says by its own keys how large it is."""
+
+    period: Positive = key("natural period", unit="s")
+    damping: Positive = key("damping ratio", lt=1.0)
 
 
 class Tune(Section):

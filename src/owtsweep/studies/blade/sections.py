@@ -6,7 +6,7 @@ from typing import Annotated
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.config.records import Records
-from owtsweep.studies.base.keys import only_freedoms
+from owtsweep.studies.base.keys import Mode, only_freedoms
 from owtsweep.studies.blade.contract import DOF
 
 
@@ -32,11 +32,9 @@ class Grid(Records):
     )
 
 
-class Freedom(Section):
+class Freedom(Mode):
     """The motion of one degree of freedom: a resonance, and slow wandering in gusts."""
 
-    period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio", lt=1.0)
     sigma: NotNegative = key("standard deviation of the resonance, m or deg")
     gust: NotNegative = key("standard deviation of what gusts add, m or deg")
 
@@ -87,11 +85,9 @@ class Motion(Section):
     bending: Bending = key("how the blade bends beyond its root end", default=Bending())
 
 
-class BoomMode(Section):
+class BoomMode(Mode):
     """One mode of the boom: the tip moves to and fro along a line."""
 
-    period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio", lt=1.0)
     sigma: list[float] = key(
         "standard deviation of the tip along x, y and z; signs say along which line", unit="m",
         min_length=3, max_length=3, form="three numbers, those of x, y and z in m",

@@ -10,6 +10,7 @@ from owtsweep.config.records import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import (
+    Mode,
     Tune,
     key_of_axes,
     key_of_schemes,
@@ -38,11 +39,9 @@ class Grid(Records):
     )
 
 
-class Resonance(Section):
+class Resonance(Mode):
     """A narrow resonance of one degree of freedom."""
 
-    period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio", lt=1.0)
     sigma: NotNegative = key("standard deviation, m or deg")
 
 
