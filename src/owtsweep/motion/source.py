@@ -46,9 +46,8 @@ class Motion:
             raise ValueError(
                 f"the record holds {len(self.before)} steps before t = 0, not {-first}"
             )
-        earlier = min(max(-(first // stride), 0), count)  # number of positions before t = 0
-        past = self.before[first + len(self.before) :: stride][:earlier]
-        return np.concatenate([past, self.position[first + earlier * stride :: stride]])[:count]
+        past = self.before[first + len(self.before) :: stride]
+        return np.concatenate([past, self.position[first + len(past) * stride :: stride]])[:count]
 
 
 class Source(Protocol):
