@@ -18,7 +18,7 @@ from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.statistics.deciding import FIRST
 from owtsweep.studies.base.axes import Axes, Cell
 from owtsweep.studies.base.contract import NotFinite, Ready, Unable
-from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart
+from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart, Batch
 from owtsweep.studies.base.rows import Judgement, make_product_rows, make_rows
 from owtsweep.studies.base.schemes import AnyScheme
 from owtsweep.studies.base.worlds import World, make_worlds
@@ -157,7 +157,7 @@ def _run_one_tuning(
         if batch is not None and batched[number] and number not in ready:
             together = [n for n in range(number, len(blocks)) if batched[n] and cells[n] == cell]
             chosen = [schemes[n] for n in together]
-            found = batch.run(config, cell, records.gather(cell), chosen)
+            found = batch.run(config, cell, records.gather(cell, batch), chosen)
             ready.update(zip(together, found, strict=True))
         if number in ready:
             judged = ready.pop(number)
@@ -254,10 +254,9 @@ class Records:
             self._parts[key] = [made.inform(config, cell, record) for record in records]
         return list(zip(records, self._parts[key], strict=True))
 
-    def gather(self, cell: Cell) -> object:
-        """Return all records of a cell as the one object that kernels run on."""
-        batch, world = self._declaration.batch, self._identify(cell, "world")
-        assert batch is not None
+    def gather(self, cell: Cell, batch: Batch) -> object:
+        """Return all records of a cell as the one object that the kernels of `batch` run on."""
+        world = self._identify(cell, "world")
         if world not in self._gathered:
             given, place = self.world.config, self.world.place(cell)
             self._gathered = {world: batch.make_records(given, place, self.replicates)}
@@ -312,8 +311,7 @@ class DeclaredBlocks:
             recompute = table.explain_recompute(scheme)
             schemes.append(Planned(scheme.name, ignored, content, recompute, scheme.knows_motion))
         most = made.most_records(config)
-        places = ("world",) if made.shared == "truth" else ("world", "sensors")
-        grouping = made.axes.find_entering(*places)
+        grouping = made.axes.find_entering(*made.shared)
         planned: list[Block] = []
         for name, world in find_worlds(made, config).items():
             content = _list_content(made, config, world)

@@ -79,8 +79,8 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
 
     list_content: What the rows of every block depend on, as plain data: of a configuration.
     most_records: Most records of a block: of a configuration.
-    shared: What the blocks of a group share: the truth alone, where that is dear; else
-        measurements.
+    shared: What the blocks of a group share, by where its axes enter: the world alone, where the
+        truth is dear; else measurements, too.
     make_truth: the motion of a record: of a configuration, a cell, and the record's number.
     measure: the record with what its sensors say: of a configuration, a cell, and the truth.
     inform: the parts of a record with the knowledge of each: of the configuration of one tuning, a
@@ -109,7 +109,7 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     schemes: SchemeTable
     list_content: Callable[[Config], dict[str, object]]
     most_records: Callable[[Config], int]
-    shared: Literal["truth", "measurements"] = "measurements"
+    shared: Sequence[Literal["world", "sensors"]] = ("world", "sensors")
     make_truth: Callable[[Config, Cell, int], Truth]
     measure: Callable[[Config, Cell, Truth], Record]
     inform: Callable[[Config, Cell, Record], Mapping[str, Part[Known, Measured]]]
