@@ -70,7 +70,8 @@ def _list_content(
     So a world that does not depart has the blocks of a run without others.
     """
     told, given = declaration.list_content(config), declaration.list_content(world.config)
-    departed = {key: value for key, value in given.items() if told.get(key) != value} | world.moved
+    departed = {key: value for key, value in given.items() if told.get(key) != value}
+    departed |= world.moved
     return {**told, "truth": departed} if departed else told
 
 
@@ -307,9 +308,9 @@ class DeclaredBlocks:
             ignored = find_ignored(made, scheme)
             if made.superposes is not None and made.superposes(config, scheme):
                 ignored += made.axes.find_entering("scale")  # one run serves all their values
-            content = table.describe_content(config, entry, scheme)
+            own = table.describe_content(config, entry, scheme)
             recompute = table.explain_recompute(scheme)
-            schemes.append(Planned(scheme.name, ignored, content, recompute, scheme.knows_motion))
+            schemes.append(Planned(scheme.name, ignored, own, recompute, scheme.knows_motion))
         most = made.most_records(config)
         grouping = made.axes.find_entering(*made.shared)
         planned: list[Block] = []
