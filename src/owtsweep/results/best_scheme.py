@@ -161,9 +161,8 @@ def find_coinciding(
         return compared
 
     groups = group_coinciding(cube.schemes, coincide)
-    if not contenders:
-        return groups
-    return [tuple(sorted(group, key=contenders.index, reverse=True)) for group in groups]
+    order = contenders[::-1] or cube.schemes  # the last of a group stands for it
+    return [tuple(sorted(group, key=order.index)) for group in groups]
 
 
 def _require_measured(labels: Sequence[str], label: str, argument: str) -> None:
