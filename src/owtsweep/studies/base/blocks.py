@@ -108,15 +108,14 @@ def plan_blocks(
         most = 1 << (min(most, FIRST).bit_length() - 1)  # it divides the records of each look
     # made once per scheme: blocks share them, so that a large plan fits into memory
     contents = [{**shared, "scheme": scheme.name, **scheme.content} for scheme in schemes]
-    kept = [[axis for axis in axes.names if axis not in scheme.ignored] for scheme in schemes]
     every = [prod(len(values[axis] or [None]) for axis in each.ignored) for each in schemes]
     blocks: dict[tuple[object, ...], Block] = {}
     for cell, first in product(part.cells, range(0, part.records, most)):
         last = min(first + most, part.records)
         numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
         group = ", ".join([*axes.tell(cell, grouping), numbers])
-        for scheme, content, names, cases in zip(schemes, contents, kept, every, strict=True):
-            known = {axis: cell.get(axis) for axis in names}
+        for scheme, content, cases in zip(schemes, contents, every, strict=True):
+            known = {axis: cell.get(axis) for axis in axes.names if axis not in scheme.ignored}
             key = (scheme.name, first, *known.values())
             if key in blocks or not part.holds(scheme.name, cell):
                 continue
