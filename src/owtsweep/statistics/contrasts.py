@@ -33,7 +33,10 @@ class Contrast(NamedTuple):
 
 
 def gap(samples: Array) -> Contrast:
-    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test."""
+    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test.
+
+    `value` is the mean, in the shape of `samples` without that axis.
+    """
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
     return _student(mean, error, n - 1.0)
