@@ -39,7 +39,7 @@ from owtsweep.studies.tower.schemes.filtered import (
     noise_of_states,
     prior,
 )
-from owtsweep.studies.tower.setting import make_priors, make_setting
+from owtsweep.studies.tower.setting import make_setting
 
 #: Greatest times: of a filter over a record in one direction (gains at hand), of the damage of all
 #: welds in both directions, and of the default study on two cores, s; greatest memory of the study,
@@ -69,8 +69,8 @@ def make_job(*overrides: str, direction: str = "fa") -> Job:
     config: Any = compose(["study=tower", *overrides])
     case = make_case(config, 0)
     channels = list_channels(config, case, direction, NOISE)
-    priors = make_priors(config.filters, 1.0 / config.record.rate, case.motion[direction])
-    setting = make_setting(config, case.part, direction, 1.0, channels, priors)
+    motion = case.motion[direction]
+    setting = make_setting(config, case.part, direction, 1.0, channels, motion)
     return Job(config, case, setting, measure(config, case, direction, channels))
 
 

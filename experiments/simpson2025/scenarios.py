@@ -19,13 +19,13 @@ from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.registry import compose
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
 from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
-from owtsweep.studies.tower.setting import model_substructure
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion
 
 #: Noise of all sensors but GNSS, % of each signal's standard deviation (section 5.1.1).
@@ -200,7 +200,7 @@ def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: 
     """Estimate one direction of a record."""
     truth, part = record.motion[direction], record.part
     channels = list_channels(config, record, direction, NOISE)
-    setting = tell(config, record, direction, 1.0, channels)
+    setting = make_setting(config, part, direction, 1.0, channels, truth)
     measured = measure(config, record, direction, channels)
     # `scheme.prepare` refuses a set-up that leaves bending unseen. The paper judges such a set-up
     # (accelerometers only) by its damage (F13); so the filter is made without that check.

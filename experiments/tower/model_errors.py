@@ -31,12 +31,12 @@ from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contest import WINDOW
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.registry import compose
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth
 from owtsweep.studies.tower.measures import CRITERIA, Fatigue, compare, find_true_fatigue
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.setting import model_substructure
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 #: What is wrong -> the override that makes it so.
 ERRORS = read_data(__file__)
@@ -89,7 +89,8 @@ def _try(
         channels = list_channels(config, case, direction, NOISE)
         measured = measure(config, case, direction, channels)
         try:
-            setting = tell(config, case, direction, 1.0, channels)
+            motion = case.motion[direction]
+            setting = make_setting(config, case.part, direction, 1.0, channels, motion)
             made = SCHEMES.resolve(name).prepare(setting)
         except Unable as reason:
             return [{"measure": "", "window": "", "value": float("nan"), "status": UNABLE,

@@ -30,7 +30,7 @@ from owtsweep.studies.tower.recorded import (
 )
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.sections import Faults, Recorded
-from owtsweep.studies.tower.setting import make_priors, make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 ROOT = Path(__file__).parents[3]
 MAST = read_structure(ROOT / "examples" / "mast.yaml")
@@ -217,8 +217,7 @@ def test_force_and_motion_of_the_mast_come_back(tmp_path):
     signals = take_signals(motion, part.strain, places, Faults())
     sigma = 0.01 * signals.std(axis=0)
     channels = [Channel(*place[:2], s) for place, s in zip(places, sigma, strict=True)]
-    priors = make_priors(config.filters, 1.0 / config.record.rate, None)
-    setting = make_setting(config, part, "fa", 1.0, channels, priors)
+    setting = make_setting(config, part, "fa", 1.0, channels, None)
     noise = np.random.default_rng(3).standard_normal(signals.shape)
     guess = SCHEMES.resolve("AKF_STEADY").prepare(setting).run(signals + sigma * noise)
     errors = compare(motion, guess, part.cut, config.record.settled)

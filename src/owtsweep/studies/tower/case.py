@@ -11,15 +11,10 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Channel, Setting
+from owtsweep.studies.tower.contract import Channel
 from owtsweep.studies.tower.measuring import Place, add_errors, list_places, take_signals
 from owtsweep.studies.tower.recorded import load_motions
-from owtsweep.studies.tower.setting import (
-    Substructure,
-    make_priors,
-    make_setting,
-    model_substructure,
-)
+from owtsweep.studies.tower.setting import Substructure, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 
@@ -96,18 +91,6 @@ def measure(config: TowerConfig, case: Case, direction: str, channels: Sequence[
         [f"{name_channel(case, place)}_{direction}" for place in case.places],
         1.0 / config.record.rate,
     )
-
-
-def tell(
-    config: TowerConfig,
-    case: Case,
-    direction: str,
-    soil_factor: float,
-    channels: Sequence[Channel],
-) -> Setting:
-    """Return the knowledge of one direction of a record."""
-    priors = make_priors(config.filters, 1.0 / config.record.rate, case.motion[direction])
-    return make_setting(config, case.part, direction, soil_factor, channels, priors)
 
 
 def name_channel(case: Case, place: Place) -> str:

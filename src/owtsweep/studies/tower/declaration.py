@@ -19,7 +19,7 @@ from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
 from owtsweep.studies.base.worlds import Departure, Untold
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, name_channel, tell
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, name_channel
 from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import CONTEST, describe_sight
@@ -28,6 +28,7 @@ from owtsweep.studies.tower.measures import Fatigue, compare, find_quietest, fin
 from owtsweep.studies.tower.recorded import measure as compare_with_record
 from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
+from owtsweep.studies.tower.setting import make_setting
 from owtsweep.studies.tower.sight import require_sight
 
 logger = logging.getLogger(__name__)
@@ -87,16 +88,14 @@ class Record(NamedTuple):
 def list_content(config: TowerConfig) -> dict[str, object]:
     """Return what the rows of every block depend on, without names; files by their bytes."""
     whole = as_mapping(config)
+    if config.recorded.file is not None:
+        whole["recorded"]["file"] = hash_file(expand_home(config.recorded.file))
     content = {name: whole[name] for name in CONTENT}
     for section, names in (("structure", ("name", "source")), ("sensors", ("name",))):
         content[section] = {k: v for k, v in whole[section].items() if k not in names}
     content["cuts"] = list(config.heights)
     if config.wind.file is not None:
         content["loads"] = hash_file(expand_home(config.wind.file))
-    if config.recorded.file is not None:
-        content["recorded"] = whole["recorded"] | {
-            "file": hash_file(expand_home(config.recorded.file))
-        }
     return content
 
 
@@ -115,11 +114,12 @@ def _measure(config: TowerConfig, cell: Cell, truth: Truth) -> Record:
 
 def _inform(config: TowerConfig, cell: Cell, record: Record) -> dict[str, Part[Setting, Array]]:
     """Return both directions; a scheme that ignores the soil gets the right one."""
-    factor = cell.get("soil_factor", 1.0)
-    return {
-        d: Part(tell(config, record.case, d, factor, record.channels[d]), measured)
-        for d, measured in record.measured.items()
+    case, factor = record.case, cell.get("soil_factor", 1.0)
+    settings = {
+        d: make_setting(config, case.part, d, factor, channels, case.motion[d])
+        for d, channels in record.channels.items()
     }
+    return {d: Part(setting, record.measured[d]) for d, setting in settings.items()}
 
 
 def _score(

@@ -23,7 +23,7 @@ from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Kind, Setting
 from owtsweep.studies.tower.measuring import Place, find_node, list_places, take_signals
 from owtsweep.studies.tower.placement import Problem, pose
 from owtsweep.studies.tower.sections import KINDS, Faults
-from owtsweep.studies.tower.setting import make_priors, make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 #: Accelerometers where the user names no sensor.
@@ -140,12 +140,11 @@ def make_case(
     given = _list_given(config, sizes, spread)
     there = [channel.node for channel in given if channel.kind == "theta"]
     offered = _list_offered(nodes, sizes["theta"], there, inclinometers)
-    priors = make_priors(config.filters, 1.0 / config.record.rate, motions[0])
     true_stress = stress_matrix(structure, assemble_cut(structure, *config.heights))
     scale = (motions[0].displacement[first:] @ true_stress.T).std(axis=0)
     judged = scale > IDLE * scale.max()
     return PlacementCase(
-        setting=make_setting(config, part, DIRECTIONS[0], 1.0, given, priors),
+        setting=make_setting(config, part, DIRECTIONS[0], 1.0, given, motions[0]),
         candidates=tuple(Channel("theta", n, share * float(sizes["theta"][n])) for n in offered),
         stress=part.stress[judged],
         welds=nodes[judged],

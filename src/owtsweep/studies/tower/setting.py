@@ -121,12 +121,13 @@ def make_setting(
     direction: str,
     soil_factor: float,
     channels: Sequence[Channel],
-    priors: Priors,
+    motion: Motion | None,
 ) -> Setting:
     """Put together the knowledge of one direction of a case.
 
     The model of the whole structure has the aerodynamic dampers, and the weight if the truth has
-    it.
+    it. `motion` is read only if the tuning takes numbers from the truth; without it, the declared
+    numbers hold.
     """
     whole = part.assemble_whole(direction, soil_factor)
     first, size = whole.find_node(part.cut.heights[0]), len(part.cut.mass)
@@ -147,21 +148,19 @@ def make_setting(
         strain=part.strain,
         channels=tuple(channels),
         step=1.0 / config.record.rate,
-        priors=priors,
+        priors=_make_priors(config.filters, 1.0 / config.record.rate, motion),
         tuning=config.filters,
         rate_noise=config.filters.find_rate_noise(config.waves.hs > 0.0),
         whole_modes=config.model.whole_modes,
     )
 
 
-def make_priors(tuning: Tuning, step: float, motion: Motion | None) -> Priors:
+def _make_priors(tuning: Tuning, step: float, motion: Motion | None) -> Priors:
     """Return a tuning's priors of the five loads of one direction.
 
     With declared numbers, a load is a random walk with these steps; as a latent force, it is the
     exponentially correlated process with the tuning's correlation time and, for short times, the
     walk's growth: sigma^2 = step_sigma^2 length / (2 step). `step` is the sampling interval in s.
-    `motion` is read only if the tuning takes numbers from the truth; without it, the declared
-    numbers hold.
     """
     change = np.array([tuning.force, tuning.moment] * 2 + [tuning.wave])
     length = np.full(5, tuning.correlation_time)

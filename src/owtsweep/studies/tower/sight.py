@@ -24,7 +24,7 @@ from owtsweep.studies.tower.measuring import list_places
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import check_seen
-from owtsweep.studies.tower.setting import make_priors, make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 #: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
 #: matter for what is seen.
@@ -75,8 +75,7 @@ def set_up(config: TowerConfig) -> Setting:
     """Return the setting fore-aft with nominal noise."""
     part, places = model_substructure(config), list_places(config.sensors, config.nodes)
     channels = [Channel(place.kind, place.node, NOMINAL[place.kind]) for place in places]
-    priors = make_priors(config.filters, 1.0 / config.record.rate, None)
-    return make_setting(config, part, DIRECTIONS[0], 1.0, channels, priors)
+    return make_setting(config, part, DIRECTIONS[0], 1.0, channels, None)
 
 
 def observe(setting: Setting) -> Observability:
