@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures.lines import POINTS, Envelope, Line, Pair, make_line, make_pair
 from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, make_lanes, rotate_force
+from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, WRITTEN, make_lanes, rotate_force
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import find_judging_steps, foresee_fixes
 from owtsweep.studies.replay.record import (
@@ -85,20 +85,13 @@ class Session:
         self.record = load_record(config, file)
         self.sensors = hub.make_sensors(config.sensors)
         self.signals: Signals = listen(config, self.sensors, self.record, 0)
-        #: Scheme -> its groups of rows in the file.
-        self.groups: dict[str, list[int]] = {}
         try:
             stored = parquet.read_metadata(estimates)
         except (OSError, ValueError) as error:
             raise InputError(f"{estimates}: the estimates cannot be read ({error})") from None
-        for number in range(stored.num_row_groups):
-            name = stored.row_group(number).column(1).statistics.min
-            self.groups.setdefault(name, []).append(number)
-
-    @property
-    def names(self) -> list[str]:
-        """The names of the schemes that have estimates."""
-        return list(self.groups)
+        groups = (stored.row_group(number) for number in range(stored.num_row_groups))
+        #: The names of the schemes that have estimates.
+        self.names = list(dict.fromkeys(group.column(1).statistics.min for group in groups))
 
     def read(self, name: str, steps: slice[int]) -> tuple[Array, Array]:
         """Return a scheme's states and their standard deviations in a slice, shape (n, 4) each."""
@@ -117,18 +110,13 @@ class Session:
     @cached_property
     def windows(self) -> dict[str, slice[int]]:
         """The parts of the record that figures show, with their steps (see `choose_windows`)."""
-        if self.record.position is not None:
-            pieces = itertools.pairwise(cut_into_pieces(self.record.steps))
-            positions = (self.record.position[first:last] for first, last in pieces)
-            return choose_windows(self.record, positions)
-        return choose_windows(self.record, self._read_positions(self.names[0]))
-
-    def _read_positions(self, name: str) -> Iterator[Array]:
-        from pyarrow import parquet
-
-        with parquet.ParquetFile(self.estimates) as file:
-            for batch in file.iter_batches(row_groups=self.groups[name], columns=["x", "y"]):
-                yield np.column_stack([c.to_numpy() for c in batch.columns]) - self.record.origin
+        record = self.record
+        edges = cut_into_pieces(record.steps, WRITTEN)  # those of the file: each is read once
+        pieces = itertools.starmap(slice, itertools.pairwise(edges))
+        if record.position is not None:
+            return choose_windows(record, (record.position[piece] for piece in pieces))
+        states = (self.read(self.names[0], piece)[0] for piece in pieces)
+        return choose_windows(record, (state[:, :2] for state in states))
 
     @cached_property
     def filters(self) -> FilterStates:
@@ -169,14 +157,15 @@ def _select(record: ReplayRecord, start: float, end: float) -> slice[int]:
     return slice(first, min(last + 1, record.steps))
 
 
-def find_repeated(series: Mapping[str, Array]) -> set[str]:
-    """Return the names of series that equal a later one but for rounding."""
-    return {
+def find_distinct(series: Mapping[str, Array]) -> list[str]:
+    """Return the names of series without those that equal a later one but for rounding."""
+    repeated = {
         one
         for one, other in itertools.combinations(series, 2)
         if series[one].shape == series[other].shape
         and np.allclose(series[one], series[other], rtol=1e-9, atol=1e-12, equal_nan=True)
     }
+    return [name for name in series if name not in repeated]
 
 
 def collect_traces(session: Session, quantity: str, *, zoom: bool) -> Traces:
@@ -191,63 +180,57 @@ def collect_traces(session: Session, quantity: str, *, zoom: bool) -> Traces:
     return _trace_state(session, quantity, session.windows["zoom" if zoom else "whole"])
 
 
+def _trace(
+    session: Session, quantity: str, steps: slice[int], estimates: Mapping[str, Array]
+) -> Traces:
+    """Return estimates (n, 2) by scheme beside the truth, if that is known."""
+    time = session.record.time_at(steps)
+    view = float(time[0]), float(time[-1])
+    shown = {name: estimates[name] for name in find_distinct(estimates)}
+    lines = {name: make_pair(time, values) for name, values in shown.items()}
+    series: Array | None = getattr(session.record, quantity)
+    if series is None:
+        return Traces(view, lines, {})
+    truth = series[steps]
+    errors = {name: make_line(time, each[:, 0] - truth[:, 0]) for name, each in shown.items()}
+    return Traces(view, lines, errors, truth=make_pair(time, truth))
+
+
 def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
-    record, sensors, columns = session.record, session.sensors, COLUMNS[quantity]
-    time, seen = record.time_at(steps), {name: session.read(name, steps) for name in session.names}
-    same = find_repeated({name: state[:, columns] for name, (state, _) in seen.items()})
-    series: Array | None = getattr(record, quantity)
-    truth = None if series is None else series[steps]
+    time, columns = session.record.time_at(steps), COLUMNS[quantity]
+    seen = {name: session.read(name, steps) for name in session.names}
+    states = {name: state[:, columns] for name, (state, _) in seen.items()}
+    traces = _trace(session, quantity, steps, states)
+    deviations = {name: (time, seen[name][1][:, columns.start]) for name in traces.lines}
+    traces = replace(traces, deviations=deviations)
+    if quantity != "position":
+        return traces
+    fixes, sensors = session.signals.fixes, session.sensors
     M = sensors.fix_interval
     number = np.arange(-(-steps.start // M), -(-steps.stop // M))
-    judging = find_judging_steps(len(session.signals.fixes), sensors)
+    traces = replace(traces, fixes=(time[M * number - steps.start], fixes[number]))
+    if traces.truth is not None:
+        return traces
+    judging = find_judging_steps(len(fixes), sensors)
     judged = np.flatnonzero((judging >= steps.start) & (judging < steps.stop))
-    lines, errors, deviations, residuals = {}, {}, {}, {}
-    for scheme, (state, deviation) in seen.items():
-        if scheme in same:
-            continue
-        lines[scheme] = make_pair(time, state[:, columns])
-        if truth is not None:
-            errors[scheme] = make_line(time, state[:, columns.start] - truth[:, 0])
-            deviations[scheme] = time, deviation[:, columns.start]
-        elif quantity == "position":
-            at = judging[judged] - steps.start
-            foreseen = foresee_fixes(state[at], sensors)
-            apart = session.signals.fixes[judged, 0] - foreseen[:, 0]
-            scaled = apart / np.hypot(deviation[at, 0], sensors.position_sigma)
-            if np.any(there := np.isfinite(scaled)):
-                residuals[scheme] = time[at][there], scaled[there]
-    return Traces(
-        (float(time[0]), float(time[-1])),
-        lines,
-        errors,
-        truth=None if truth is None else make_pair(time, truth),
-        fixes=(time[M * number - steps.start], session.signals.fixes[number])
-        if quantity == "position"
-        else None,
-        deviations=deviations,
-        residuals=residuals,
-    )
+    at = judging[judged] - steps.start
+    residuals = {}
+    for scheme in traces.lines:
+        state, deviation = seen[scheme]
+        apart = fixes[judged, 0] - foresee_fixes(state[at], sensors)[:, 0]
+        scaled = apart / np.hypot(deviation[at, 0], sensors.position_sigma)
+        if np.any(there := np.isfinite(scaled)):
+            residuals[scheme] = time[at][there], scaled[there]
+    return replace(traces, residuals=residuals)
 
 
 def _trace_acceleration(session: Session) -> Traces:
-    record, steps = session.record, session.windows["acceleration"]
-    time = record.time_at(steps)
-    truth = None if record.acceleration is None else record.acceleration[steps]
-    known = session.filters.acceleration
-    same = find_repeated(known)
-    shown = {name: values for name, values in known.items() if name not in same}
+    steps = session.windows["acceleration"]
+    traces = _trace(session, "acceleration", steps, session.filters.acceleration)
     pieces = rotate_force(session.signals, session.sensors)
-    force = hub.OnePassSeries(pieces, (record.steps, 2))[steps]
-    errors = {}
-    if truth is not None:
-        errors = {name: make_line(time, each[:, 0] - truth[:, 0]) for name, each in shown.items()}
-    return Traces(
-        (float(time[0]), float(time[-1])),
-        {name: make_pair(time, values) for name, values in shown.items()},
-        errors,
-        truth=None if truth is None else make_pair(time, truth),
-        imu=make_pair(time, force + np.array(session.sensors.gravity)),
-    )
+    force = hub.OnePassSeries(pieces, (session.record.steps, 2))[steps]
+    felt = make_pair(session.record.time_at(steps), force + np.array(session.sensors.gravity))
+    return replace(traces, imu=felt)
 
 
 def _trace_bias(session: Session) -> Traces:
@@ -258,12 +241,12 @@ def _trace_bias(session: Session) -> Traces:
         return [(record.begin + record.step * steps, values)]
 
     lines = {name: (to_line(x), to_line(y)) for name, (x, y) in states.bias.items()}
-    same = find_repeated({name: pair[0][0][1] for name, pair in lines.items()})
+    shown = find_distinct({name: x[0][1] for name, (x, _) in lines.items()})
     truth = states.true_bias
-    errors = {name: to_line(each) for name, each in states.bias_error.items() if name not in same}
+    errors = {name: to_line(each) for name, each in states.bias_error.items() if name in shown}
     return Traces(
         (record.begin, record.end),
-        {name: pair for name, pair in lines.items() if name not in same},
+        {name: lines[name] for name in shown},
         errors,
         truth=None if truth is None else (to_line(truth[0]), to_line(truth[1])),
     )
@@ -279,7 +262,7 @@ class FilterStates:
         without schemes whose model has no acceleration.
     bias: scheme -> envelopes of x and y of the bias R b^b over the whole record.
     bias_error: scheme -> envelope of the error of the bias along x; empty for recorded sensors.
-    true_bias: envelopes of the simulated bias; None for recorded sensors.
+    true_bias: envelopes of the simulated bias; None for recorded sensors, and beside no bias.
     """
 
     def __init__(self, session: Session) -> None:
@@ -292,27 +275,28 @@ class FilterStates:
         complete = bool(np.all(np.isfinite(session.signals.fixes)))
         known = hub.Known(sensors, config)
         for scheme in hub.resolve_all(config.schemes, config):
-            if not complete or scheme.name not in session.names or scheme.batched != "chain":
-                continue
-            chain = scheme.kernel_for_runs(known, steps)
-            truths = simulate_true_bias(config, sensors, steps, 0) if simulated else None
-            self._add(scheme.name, chain, session, truths)
-        if simulated:
-            self.true_bias = (Envelope(steps), Envelope(steps))
-            for truth in simulate_true_bias(config, sensors, steps, 0) if self.bias else ():
-                _add_both(self.true_bias, truth)
+            if complete and scheme.name in session.names and scheme.batched == "chain":
+                chain = scheme.kernel_for_runs(known, steps)
+                truths = simulate_true_bias(config, sensors, steps, 0) if simulated else None
+                self._add(scheme.name, chain, session, truths)
+        if self.bias and simulated:
+            x, y = self.true_bias = Envelope(steps), Envelope(steps)
+            for truth in simulate_true_bias(config, sensors, steps, 0):
+                x.add(truth[:, 0])
+                y.add(truth[:, 1])
 
     def _add(
         self, name: str, chain: hub.Chain, session: Session, truths: Iterator[Array] | None
     ) -> None:
         steps, window = session.record.steps, session.windows["acceleration"]
         estimated = steps - hub.lag_of(chain)
-        points = POINTS if estimated == steps else max(int(POINTS * estimated / steps), 8)
+        points = max(int(POINTS * estimated / steps), 8)
         x, y, error = (Envelope(estimated, points) for _ in range(3))
         shown, begin = [], 0
         for piece in _run_shifted(chain, session):
             shown.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0), 2])
-            _add_both((x, y), piece[:, 3])
+            x.add(piece[:, 3, 0])
+            y.add(piece[:, 3, 1])
             if truths is not None:
                 error.add(piece[:, 3, 0] - next(truths)[:, 0])
             begin += len(piece)
@@ -321,11 +305,6 @@ class FilterStates:
             self.bias_error[name] = error
         if hub.has_acceleration(chain):
             self.acceleration[name] = np.concatenate(shown)
-
-
-def _add_both(envelopes: tuple[Envelope, Envelope], values: Array) -> None:
-    for axis, envelope in enumerate(envelopes):
-        envelope.add(values[:, axis])
 
 
 def _run_shifted(chain: hub.Chain, session: Session) -> Iterator[Array]:
