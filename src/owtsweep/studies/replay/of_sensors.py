@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -57,9 +58,8 @@ def make_record_of_sensors(
     forces = [role for role in recording.channels if role.startswith("specific_force")]
     whole = find_common_grid(recording, forces, rate)
     gnss = _choose_gnss(config, recording)
-    notes = [*recording.notes]
     measured = measure_rates(config, recording)
-    notes.append(_tell_roles(recording, measured["gnss"]))
+    notes = [*recording.notes, _tell_roles(recording, measured["gnss"])]
     if measured["imu"] < rate:
         notes.append(
             f"specific force comes at {measured['imu']:.4g} Hz and is run at {rate:g} Hz, its "
@@ -81,16 +81,12 @@ def make_record_of_sensors(
     if recording.has("reference"):
         position, velocity, more = _derive_reference(config, recording, whole)
         notes += more
-    origin = np.zeros(2)
-    if config.replay.remove_mean:
-        positions = fixes if position is None else position
-        origin = np.nanmean(np.asarray(positions), axis=0)
-    if fixes is not None:
-        fixes = fixes - origin
-    if position is not None and velocity is not None:
-        position -= origin
         if fixes is None:
             fixes = make_fixes(position, offset, grid.steps, sensors)
+    known = np.asarray(fixes if position is None else position)
+    origin = np.nanmean(known, axis=0) if config.replay.remove_mean else np.zeros(2)
+    if position is not None and velocity is not None:
+        position -= origin
         position, velocity = position[offset:], velocity[offset:]
     return ReplayRecord(
         file=str(recording.path),
@@ -102,7 +98,7 @@ def make_record_of_sensors(
         position=position,
         velocity=velocity,
         specific_force=force,
-        fixes=np.asarray(fixes),
+        fixes=np.asarray(fixes) - origin,
         truth="the reference" if position is not None else "",
         notes=tuple(notes),
     )
@@ -247,27 +243,22 @@ def _note_fixes(aligned: Aligned, sensors: Sensors, measured: float) -> list[str
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    gridded = to_motion(
-        recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
-        grid=grid,
-    )  # fmt: skip
+    derive = partial(to_motion, recording, grid.rate, quantity="reference", orders=2, grid=grid)
+    gridded = derive(cutoff=config.replay.cutoff)
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     notes = list(gridded.notes)
     clear = find_clear_band(recording, grid.rate)
     if config.replay.cutoff is None and clear > MOTION_CUTOFF:
         del gridded  # of a long record, free this velocity before the next one is made
-        velocity = to_motion(
-            recording, grid.rate, quantity="reference", orders=2, cutoff=clear, grid=grid
-        ).pairs["velocity"]
+        velocity = derive(cutoff=clear).pairs["velocity"]
         notes.append(
             f"the reference's velocity is kept up to {clear:.3g} Hz, where its position is mostly "
             "noise or the rates end; replay.cutoff sets another frequency"
         )
     unknown = ~np.all(np.isfinite(position), axis=1)
-    for axis in "xy":
-        if f"reference_{axis}" in recording.channels:
-            span = recording.series(f"reference_{axis}")[0][[0, -1]]
-            unknown |= (grid.time < span[0] - 1e-9) | (grid.time > span[1] + 1e-9)
+    for role in [role for role in recording.channels if role.startswith("reference")]:
+        span = recording.series(role)[0][[0, -1]]
+        unknown |= (grid.time < span[0] - 1e-9) | (grid.time > span[1] + 1e-9)
     require(
         not np.all(unknown),
         f"{recording.path}: the reference and the specific force do not overlap in time; give "
