@@ -46,12 +46,26 @@ def list_searched(every: Sequence[Searched], config: Any) -> list[Searched]:
         f"schemes: with tuning={config.tuning_name} these have no numbers to search; `tune` knows "
         f"numbers of {known}",
     )
+    require_other_seed(config)
+    return found
+
+
+def require_other_seed(config: Any) -> None:
+    """Raise `InputError` if a search would see the records that judge it."""
     require(
         config.tune.seed != config.seed,
         f"tune.seed: {config.seed} is also the run's seed, so a tuning would be judged by what it "
         "was made from; use another",
     )
-    return found
+
+
+def dump_tuning(name: str, config: Any, comments: Sequence[str]) -> str:
+    """Return the text of the tuning file `name` with the tuned sections of a configuration."""
+    import yaml
+
+    sections = {section: as_mapping(getattr(config, section)) for section in config.tuned}
+    plain = yaml.safe_dump({"tuning": name, **sections}, sort_keys=False)
+    return "\n".join(f"# {line}" for line in comments) + f"\n{plain}"
 
 
 def predict(
@@ -156,13 +170,7 @@ class TunedStudy:
     stopped: bool
 
     def text(self, name: str) -> str:
-        import yaml
-
-        sections = {
-            section: as_mapping(getattr(self.after, section)) for section in self.after.tuned
-        }
-        plain = yaml.safe_dump({"tuning": name, **sections}, sort_keys=False)
-        return "\n".join(f"# {line}" for line in self._describe()) + f"\n{plain}"
+        return dump_tuning(name, self.after, self._describe())
 
     def _describe(self) -> list[str]:
         config, tune = self.before, self.before.tune

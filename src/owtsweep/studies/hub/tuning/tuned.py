@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import yaml
 
 from owtsweep._version import __version__
 from owtsweep.arrays import Array
-from owtsweep.config import Plain, as_mapping, with_values
+from owtsweep.config import Plain, with_values
 from owtsweep.errors import require
 from owtsweep.io.parted_table import start_table
 from owtsweep.statistics.contrasts import gap
+from owtsweep.studies.base.tuning.tuned import dump_tuning, require_other_seed
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
-from owtsweep.studies.hub.config import TUNED, HubConfig
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.describe import describe_truth
 from owtsweep.studies.hub.listed import resolve_all
@@ -37,11 +37,7 @@ def list_tunable(config: HubConfig) -> list[Scheme]:
         bool(schemes),
         "schemes: `tune` knows the numbers of EKF, MKF, HME1 and HME2 only; name one of them",
     )
-    require(
-        config.tune.seed != config.seed,
-        f"tune.seed: {config.seed} is also the run's seed, so a tuning would be judged by what it "
-        "was made from; use another",
-    )
+    require_other_seed(config)
     return schemes
 
 
@@ -90,10 +86,7 @@ class TunedSchemes:
         return with_values(self.before, values)
 
     def text(self, name: str) -> str:
-        sections = {section: as_mapping(getattr(self.after, section)) for section in TUNED}
-        plain = yaml.safe_dump({"tuning": name, **sections}, sort_keys=False)
-        comments = "\n".join(f"# {line}" for line in self._describe())
-        return f"{comments}\n{plain}"
+        return dump_tuning(name, self.after, self._describe())
 
     def _describe(self) -> list[str]:
         config, each = self.before, self.before.tune.trials
