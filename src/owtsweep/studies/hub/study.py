@@ -63,7 +63,6 @@ class HubStudy(HubKeys):
 
     name = "hub"
     stretched = ("position", 0, "position northwards (m)")
-    schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
     commands = frozenset({"compare", "estimate", "spectrum", "tune", "vary"})
     advised_schemes = ("SKFA",)

@@ -40,7 +40,6 @@ class ReplayStudy(HubKeys, Engine):
     """
 
     name = "replay"
-    schema_version = 1
     numerics_version = add_versions(3, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
