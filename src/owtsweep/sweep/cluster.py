@@ -55,7 +55,12 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
         the study or has other versions, or if `address` begins with tls:// and dask has no
         certificates.
     """
-    _require_certificates(address)
+    if address.startswith("tls:"):  # dask itself would notice too late to clean up
+        require(
+            Security().get_connection_args("client")["ssl_context"] is not None,
+            "compute.scheduler: tls:// needs certificates, and dask's configuration names none "
+            "(distributed.comm.tls); name them there, or use tcp://",
+        )
     try:
         # Connect without a `Client` first: a Client that fails half-way lives on, and ends with a
         # traceback.
@@ -96,19 +101,6 @@ def _greet(address: str) -> None:
     # wait for ever for another end that does not speak its language.
     threading.Thread(target=asyncio.run, args=(connect_and_close(),), daemon=True).start()
     answer.result(1.2 * PATIENCE_AT_START)
-
-
-def _require_certificates(address: str) -> None:
-    """Raise InputError if `address` begins with tls:// and dask has no certificates.
-
-    dask itself would notice the missing certificates too late to clean up.
-    """
-    if address.startswith("tls:"):
-        require(
-            Security().get_connection_args("client")["ssl_context"] is not None,
-            "compute.scheduler: tls:// needs certificates, and dask's configuration names none "
-            "(distributed.comm.tls); name them there, or use tcp://",
-        )
 
 
 @contextmanager
