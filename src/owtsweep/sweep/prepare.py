@@ -12,10 +12,10 @@ from owtsweep.config.stored import read_stored
 from owtsweep.io.files import check_writable, remove_stale, unwritable
 from owtsweep.io.reading import refuse_links
 from owtsweep.sweep import asked
-from owtsweep.sweep.keys import question_hash, run_folder, run_hash
+from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.manifest import read_mean_seconds
-from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, is_of_other_version, make_plan
-from owtsweep.sweep.runs import Run
+from owtsweep.sweep.plan import PLAN_FILE, count_cases, is_of_other_version
+from owtsweep.sweep.runs import Run, plan_run
 from owtsweep.sweep.study import Study, blame
 
 #: Files in the root of a run folder that a sweep writes, besides tables.
@@ -127,8 +127,8 @@ def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
     """
     from joblib import cpu_count
 
-    plan = make_plan(study, config)
-    run = Run(run_folder(config), config, study, plan, question=question_hash(config))
+    run = plan_run(study, config)
+    plan = run.plan()
     check_folder(run, fresh=fresh)
     store = replace(run.store, read_only=True)
     missing = {
@@ -143,6 +143,9 @@ def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
     rough, memory = predicted or (None, None)
     mean = read_mean_seconds(run.folder)
     spent = rough if mean is None else mean * len(missing)
+    records, most = config.records, None
+    if records is not None and records.decides:
+        most = count_cases(plan) * records.greatest // records.first
     return Forecast(
         run.folder,
         count_cases(plan),
@@ -152,12 +155,5 @@ def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
         spent / workers if spent is not None and workers else None,
         "rough" if mean is None else "earlier",
         memory,
-        _count_most(config, plan),
+        most,
     )
-
-
-def _count_most(config: Config, plan: Plan) -> int | None:
-    records = config.records
-    if records is None or not records.decides:
-        return None
-    return count_cases(plan) * records.greatest // records.first

@@ -16,23 +16,14 @@ from owtsweep.io.tables import dump_tables
 from owtsweep.sweep import asked
 from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.gather import Results, join_tables
-from owtsweep.sweep.keys import question_hash, run_folder
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.manifest import MANIFEST, read_earlier_seconds, was_running
-from owtsweep.sweep.plan import (
-    PLAN_FILE,
-    Plan,
-    count_cases,
-    dump_plan,
-    make_plan,
-    make_tasks,
-    plan_look,
-)
+from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, dump_plan, make_tasks, plan_look
 from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import finish_manifest, start_manifest
 from owtsweep.sweep.rows import Setback
-from owtsweep.sweep.runs import Run
+from owtsweep.sweep.runs import Run, plan_run
 from owtsweep.sweep.study import UNABLE, Study, blame
 from owtsweep.sweep.worker import TaskResult, Work, all_versions, one_line
 
@@ -88,15 +79,14 @@ def sweep(
     Raises Interrupted: After Ctrl-C, once the workers have stopped; this exception is a
         `KeyboardInterrupt`. Stored cases stay, and the next sweep reuses them.
     """
-    plan = make_plan(study, config)
-    run = Run(run_folder(config), config, study, plan, question=question_hash(config))
+    run = plan_run(study, config)
     with _executor(run) as executor:
         text = dump(config)
         # The plan first: a folder with config.yaml alone would count as one of another version.
-        texts = {PLAN_FILE: dump_plan(plan, study, config, text), "config.yaml": text}
+        texts = {PLAN_FILE: dump_plan(run.plan(), study, config, text), "config.yaml": text}
         prepare_folder(run, texts, fresh=fresh)
         with run_log(run.folder):
-            return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
+            return _Sweep(run, executor, progress or Progress(), argv)(text)
 
 
 @dataclass
@@ -104,7 +94,6 @@ class _Sweep:
     """A sweep that is under way, and its counts of cases up to now."""
 
     run: Run
-    plan: Plan
     executor: Executor
     progress: Progress
     argv: Sequence[str] | None
@@ -126,16 +115,17 @@ class _Sweep:
         self._write_manifest(manifest)
         state = "error"
         try:
-            self._compute(self.plan, others)
+            self._compute(self.run.plan(), others)
             while further := self._plan_look(text, began):
                 self._compute(further, others)
             results = self._aggregate()
             state = "incomplete" if self.failed else "done"
         except KeyboardInterrupt as error:
             state = "interrupted"
+            total = count_cases(self.run.plan())
             raise Interrupted(
-                f"interrupted; {self._count_stored()} of {count_cases(self.plan)} cases are stored "
-                f"in {self.run.folder}/"
+                f"interrupted; {self._count_stored()} of {total} cases are stored in "
+                f"{self.run.folder}/"
             ) from error
         finally:
             self.progress.stop()
@@ -145,7 +135,7 @@ class _Sweep:
                 "%s: %d computed, %d failed in %.1f s", state, self.computed, failed, seconds
             )
             cases = {"computed": self.computed, "reused": self.reused, "failed": failed}
-            labels = [block.label for block in self.plan.values()]
+            labels = [block.label for block in self.run.plan().values()]
             each = {k: v for k, v in (earlier | self.seconds).items() if k in {*labels}}
             self._write_manifest(finish_manifest(manifest, state, seconds, cases, each))
         return Outcome(
@@ -180,10 +170,10 @@ class _Sweep:
         records = self.run.config.records
         if records is None or not records.decides:
             return {}
-        stored, _ = self.run.stored()
+        plan, (stored, _) = self.run.plan(), self.run.stored()
         with blame(self.run.study):
-            whole, found = plan_look(self.run.study, self.run.config, self.plan, stored)
-        further = {key: block for key, block in whole.items() if key not in self.plan}
+            whole, found = plan_look(self.run.study, self.run.config, plan, stored)
+        further = {key: block for key, block in whole.items() if key not in plan}
         if not further:
             return {}
         logger.info("%s", found)
@@ -195,7 +185,6 @@ class _Sweep:
             )  # fmt: skip
             return {}
         self.progress.look(found)
-        self.plan = whole
         self.run = replace(self.run, stored_plan=whole)
         content = dump_plan(whole, self.run.study, self.run.config, text)
         asked.write_both(self.run.folder, self.run.question, {PLAN_FILE: content})
@@ -240,7 +229,8 @@ class _Sweep:
         """
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
-        there = [block for key, block in self.plan.items() if store.path(key).name in present]
+        plan = self.run.plan()
+        there = [block for key, block in plan.items() if store.path(key).name in present]
         labels = {block.label for block in there}
         failed = sum(failure.cases for failure in self.failed if failure.label in labels)
         return sum(block.cases for block in there) - failed

@@ -18,7 +18,7 @@ from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import read_table
 from owtsweep.sweep import asked
 from owtsweep.sweep.gather import Results, join_rows, sort_rows
-from owtsweep.sweep.keys import run_hash
+from owtsweep.sweep.keys import question_hash, run_folder, run_hash
 from owtsweep.sweep.plan import Plan, count_cases, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks, needed_columns
 from owtsweep.sweep.store import Store
@@ -415,6 +415,15 @@ class Run:
         if self.config.tuning_name and not self.tuning and "tuning" not in table:
             table.insert(0, "tuning", self.config.tuning_name)
         return table
+
+
+def plan_run(study: Study, config: Config) -> Run:
+    """Return the run of a configuration, which need not have begun, with a new plan.
+
+    Raises InputError as `make_plan`, or if the run folder can have no name.
+    """
+    plan = make_plan(study, config)
+    return Run(run_folder(config), config, study, plan, question=question_hash(config))
 
 
 def list_drawings(
