@@ -134,7 +134,7 @@ def plan_blocks(
 def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
     """Return the axes of knowledge on which the estimates of a scheme do not depend."""
     entering = declaration.axes.find_entering("knowledge")
-    return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in entering]
+    return [axis for axis in scheme.ignores if axis in entering]
 
 
 def _run_one_tuning(

@@ -42,14 +42,12 @@ class Listed(NamedTuple):
         memory come first. A scheme with a latency has 1000 more; one that waits for the end of the
         record, 2000 more. No two of a study are equal: the less common or more demanding one of two
         equal schemes moves up to the next free number.
-    ignores: the axes of knowledge on which its estimates do not depend.
     module: the module in which it stands under its name, beside its base; "": a module of its own.
     """
 
     sentence: str
     look: SchemeStyle | None
     simplicity: int
-    ignores: tuple[str, ...] = ()
     module: str = ""
 
 
@@ -140,7 +138,7 @@ class SchemeTable:
             "size": f"{listed.simplicity % LATE} states and tuned numbers",
             "time": WAITS[listed.simplicity // LATE],
             "told": "the motion of a case" if scheme.knows_motion else "",
-            "ignores": ", ".join(listed.ignores),
+            "ignores": ", ".join(scheme.ignores),
             "keys": ", ".join(scheme.sections),
         }
         return {fact: text for fact, text in facts.items() if text}
@@ -245,12 +243,6 @@ class SchemeTable:
         """Return why stored rows of a scheme must be recomputed; "" if they can be used."""
         ours = scheme.name in self.listed
         return "" if ours else explain_doubt(type(scheme), scheme.version)
-
-    def list_ignored(self, scheme: AnyScheme) -> Sequence[str]:
-        """Return the axes on which a scheme's estimates do not depend; a user's may name some."""
-        if scheme.name in self.listed:
-            return self.listed[scheme.name].ignores
-        return scheme.ignores
 
     def describe_stored(self, schemes: Sequence[AnyScheme]) -> list[dict[str, object]]:
         """Return what a run stores of its schemes for `stand_in`: one mapping per scheme."""

@@ -19,6 +19,8 @@ DIRECTIONS = ("fa", "ss")
 #: Interface loads on the substructure, in the order of columns: force and moment at the lower cut,
 #: then at the upper one.
 INPUTS = ("F0", "M0", "F175", "M175")
+#: What schemes ignore whose model holds no soil: they have one result for all of its values.
+SOIL = ("soil_factor",)
 #: What a channel measures: displacement (m), rotation (rad), acceleration (m/s^2), strain of the
 #: outer fibre (no unit).
 Kind = Literal["x", "theta", "a", "strain"]

@@ -7,62 +7,52 @@ from owtsweep.studies.base.schemes import Listed, SchemeTable
 
 #: Blue to green: augmented filters on the substructure. Red to violet: other filters there. Orange
 #: to yellow: filters on the whole turbine. Grey, olive and brown: no filters.
-#: Schemes whose model holds no soil have one result for all of its values.
-SOIL = ("soil_factor",)
 LISTED = {
     "AKF": Listed(
         "augmented Kalman filter on the substructure, no wave input (p_1)",
         SchemeStyle("#0072B2", "o", "-"),
         simplicity=28,  # AKF_STEADY; initial variance, 2 sizes of loads
-        ignores=SOIL,
     ),
     "AKF_WAVE": Listed(
         "AKF with a triangular wave load as a further input (p_2)",
         SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
         simplicity=32,  # 31: AKF; the wave load, its walk and size; moved by the tie
-        ignores=SOIL,
         module="akf",
     ),
     "AKF_STEADY": Listed(
         "AKF with the gain of the steady state from the first step on",
         SchemeStyle("#8FA8C8", "P", (0, (2, 2))),
         simplicity=25,  # 16 states, 4 loads; process, 2 walks, 2 kinds of sensors
-        ignores=SOIL,
         module="akf",
     ),
     "AKF_LAGGED": Listed(
         "AKF and a smoother that looks a fixed time ahead",
         SchemeStyle("#332288", "s", (0, (4, 2))),
         simplicity=1029,  # AKF; the lag; late
-        ignores=SOIL,
         module="akf",
     ),
     "AKF_MATERN12": Listed(
         "latent interface loads with an exponential correlation (Matern 1/2)",
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
         simplicity=26,  # 16 states, 4 loads; process, 2 sizes, length, 2 kinds of sensors
-        ignores=SOIL,
         module="akf",
     ),
     "AKF_MATERN32": Listed(
         "latent interface loads with smooth paths (Matern 3/2)",
         SchemeStyle("#117733", ">", (0, (8, 3))),
         simplicity=30,  # AKF_MATERN12; 4 rates of loads
-        ignores=SOIL,
         module="akf",
     ),
     "GDF": Listed(
         "Gillijns and De Moor's joint input-state filter on the substructure",
         SchemeStyle("#CC79A7", "D", "-"),
         simplicity=20,  # 16 states; process noise, initial variance, noise of 2 kinds of sensors
-        ignores=SOIL,
         module="joint",
     ),
     "DUAL": Listed(
         "dual Kalman filter on the substructure: inputs, then states",
         SchemeStyle("#882255", "X", (0, (4, 2))),
         simplicity=29,  # as AKF, a tie: DUAL runs two filters
-        ignores=SOIL,
         module="joint",
     ),
     "AKF_WHOLE": Listed(
@@ -97,7 +87,6 @@ LISTED = {
         "static shapes of the substructure through the inclinometers",
         SchemeStyle("#7A3B12", "8", (0, (3, 1, 1, 1, 1, 1))),
         simplicity=2,  # no memory; noise of two kinds of sensors
-        ignores=SOIL,
         module="static",
     ),
 }

@@ -28,7 +28,7 @@ from typing import Literal
 from owtsweep.estimation.augmented import make_augmented, make_lagged, make_steady
 from owtsweep.estimation.latent import make_latent
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Setting
+from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut, model_whole
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
@@ -81,15 +81,15 @@ def add_wave(name: str, model: Callable[..., Model]) -> Callable[[Setting], Mode
     return make
 
 
-SCHEME = FilterScheme("AKF", model_cut, tune)
-AKF_WAVE = FilterScheme("AKF_WAVE", add_wave("AKF_WAVE", model_cut), tune)
-AKF_STEADY = FilterScheme("AKF_STEADY", model_cut, tune_steady)
-AKF_LAGGED = FilterScheme("AKF_LAGGED", model_cut, tune_lagged)
+SCHEME = FilterScheme("AKF", model_cut, tune, SOIL)
+AKF_WAVE = FilterScheme("AKF_WAVE", add_wave("AKF_WAVE", model_cut), tune, SOIL)
+AKF_STEADY = FilterScheme("AKF_STEADY", model_cut, tune_steady, SOIL)
+AKF_LAGGED = FilterScheme("AKF_LAGGED", model_cut, tune_lagged, SOIL)
 AKF_WHOLE = FilterScheme("AKF_WHOLE", model_whole, tune)
 AKF_WHOLE_WAVE = FilterScheme("AKF_WHOLE_WAVE", add_wave("AKF_WHOLE_WAVE", model_whole), tune)
 AKF_MATERN12 = FilterScheme(
-    "AKF_MATERN12", model_cut, partial(tune_latent, kernel="matern12"), any_input=False
+    "AKF_MATERN12", model_cut, partial(tune_latent, kernel="matern12"), SOIL, any_input=False
 )
 AKF_MATERN32 = FilterScheme(
-    "AKF_MATERN32", model_cut, partial(tune_latent, kernel="matern32"), any_input=False
+    "AKF_MATERN32", model_cut, partial(tune_latent, kernel="matern32"), SOIL, any_input=False
 )

@@ -7,7 +7,7 @@ al. 2025, section 3); noise of inputs is the tuning's prior of the loads.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -65,6 +65,7 @@ class Filtered:
 class FilterScheme(Scheme):
     """A scheme that consists of a model and of a filter on it, made by `model` and `tune`.
 
+    ignores: axes of the knowledge on which neither model nor filter depends.
     any_input: whether inputs may be anything, so that sensors must tell all of them apart. Inputs
         that fade by themselves need not be seen.
     """
@@ -72,6 +73,7 @@ class FilterScheme(Scheme):
     name: str
     model: Callable[[Setting], Model]
     tune: Callable[[Setting, Model], Settled]
+    ignores: Sequence[str] = ()
     any_input: bool = True
 
     def prepare(self, setting: Setting) -> Filtered:

@@ -17,7 +17,7 @@ import numpy as np
 from owtsweep.estimation.dual import make_dual
 from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Setting
+from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
@@ -53,5 +53,5 @@ def tune_dual(setting: Setting, model: Model) -> Settled:
     )
 
 
-GDF = FilterScheme("GDF", model_cut, tune_joint)
-DUAL = FilterScheme("DUAL", model_cut, tune_dual)
+GDF = FilterScheme("GDF", model_cut, tune_joint, SOIL)
+DUAL = FilterScheme("DUAL", model_cut, tune_dual, SOIL)

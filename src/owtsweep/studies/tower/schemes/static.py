@@ -22,7 +22,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Channel, Estimates, Scheme, Setting
+from owtsweep.studies.tower.contract import SOIL, Channel, Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import (
     decompose,
     list_whole_dof,
@@ -55,6 +55,7 @@ class QuasiStatic(Scheme):
     """The scheme QUASI_STATIC."""
 
     name = "QUASI_STATIC"
+    ignores = SOIL
 
     def prepare(self, setting: Setting) -> Shapes:
         """Compute static shapes, and their coordinates from sensors.
