@@ -10,7 +10,6 @@ from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.config import Plain
 from owtsweep.errors import require
 from owtsweep.evaluation.estimate import EstimatedRecord
-from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.studies.hub import kernels
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
@@ -80,10 +79,6 @@ class HubStudy(HubKeys):
 
     def explain_schemes(self) -> dict[str, str]:
         return SCHEMES.describe()
-
-    def scheme_table(self) -> SchemeTable:
-        """Return the schemes and baselines of the study."""
-        return SCHEMES
 
     def describe_scheme(self, name: str) -> dict[str, str]:
         """Return facts on a scheme in words, as `Study.describe_scheme` says."""
