@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.schemes.baselines import Line
+    from owtsweep.studies.hub.schemes.baselines import DELTA, HOLD, NONE, Baseline
     from owtsweep.studies.hub.sensors import (
         ForceNoise,
         Sensors,
@@ -40,13 +40,12 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
 
 __all__ = [
-    "BASELINES", "INSTEAD", "JUDGED", "ROOMS", "SCHEMES", "WIDTH", "Chain",
-    "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Line",
+    "BASELINES", "DELTA", "HOLD", "INSTEAD", "JUDGED", "NONE", "ROOMS", "SCHEMES", "WIDTH",
+    "Baseline", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known",
     "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "assume_tilt", "backend", "bias_of",
     "chunks", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
-    "follow_sensors", "has_acceleration", "lag_of", "look_constant",
-    "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
-    "state_chunks", "tell_window", "trajectories",
+    "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_sensors", "noise_floor",
+    "resolve", "resolve_all", "simulate_bias", "state_chunks", "tell_window", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
@@ -61,7 +60,7 @@ _HOMES = {
     "kernels.layout": ["WIDTH"],
     "listed": ["BASELINES", "INSTEAD", "SCHEMES", "resolve", "resolve_all"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
-    "schemes.baselines": ["Line"],
+    "schemes.baselines": ["DELTA", "HOLD", "NONE", "Baseline"],
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
     "tuning_rules": ["assume_tilt", "follow_sensors"],

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.public import Line, Sensors
+from owtsweep.studies.hub.public import DELTA, HOLD, NONE, Baseline, Sensors
 from owtsweep.studies.replay.record import ReplayRecord
 
 WINDOWS = ("full", "settled")
@@ -30,12 +30,6 @@ LAGS = 10
 #: Value of the column `scheme` -> name of the baseline, the simplest first. The values differ from
 #: the names because NONE, HOLD and DELTA may also stand in the key `schemes`.
 BASELINE_ROWS = {"no_estimate": "NONE", "last_fix": "HOLD", "last_two_fixes": "DELTA"}
-#: Value of the column `scheme` -> the line from fix to fix that the baseline follows.
-LINES = {
-    "no_estimate": Line(holds=False, moves=False),
-    "last_fix": Line(holds=True, moves=False),
-    "last_two_fixes": Line(holds=True, moves=True),
-}
 #: Value of the column `scheme` of rows on a record's noise, and the measure of innovations that are
 #: not Gaussian: their excess kurtosis.
 NOISE, TAILS = "noise_of_record", "excess_kurtosis"
@@ -215,7 +209,7 @@ def _average(name: str, window: str, values: Array) -> Iterator[Measured]:
         yield (name, window, total / count, count)
 
 
-def _draw_lines(line: Line, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
+def _draw_lines(line: Baseline, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
     """Return positions (m) when fixes are due, and slopes (m/s), both (fixes, 2); zero at first."""
     nothing = np.zeros_like(fixes)
     came = np.flatnonzero(np.isfinite(fixes[:, 0]))
@@ -234,7 +228,7 @@ def _draw_lines(line: Line, fixes: Array, sensors: Sensors) -> tuple[Array, Arra
 
 
 def follow(
-    line: Line, fixes: Array, sensors: Sensors, edges: Sequence[int]
+    line: Baseline, fixes: Array, sensors: Sensors, edges: Sequence[int]
 ) -> Iterator[Trajectory]:
     """Yield a baseline's estimates from each of the steps `edges` to the next."""
     start, slope = _draw_lines(line, fixes, sensors)
@@ -251,7 +245,7 @@ def measure_baselines(
 
     Arguments are those of `Tally`.
     """
-    for row, line in LINES.items():
+    for row, line in zip(BASELINE_ROWS, (NONE, HOLD, DELTA), strict=True):
         tally = Tally(record, fixes, sensors, settled)
         for piece in follow(line, fixes, sensors, tally.edges):
             tally.add(piece)

@@ -9,8 +9,6 @@ or DELTA has, the IMU is of no use.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
@@ -25,35 +23,13 @@ from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.sensors import Sensors
 
 
-class Line(NamedTuple):
-    """The straight line that an estimate follows from one position fix to the next.
-
-    holds: whether the line starts from the last fix; otherwise it is zero.
-    moves: whether the line has the slope between the last two fixes, and is at the present, a delay
-        ahead of the last fix; otherwise its slope is zero.
-    """
-
-    holds: bool
-    moves: bool
-
-    def through(self, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
-        """Return the lines' positions when a fix arrives, m, and slopes, m/s, shaped as `fixes`.
-
-        Before the second fix the slope is zero.
-        """
-        slope = np.zeros_like(fixes)
-        if self.moves:
-            slope[..., 1:] = np.diff(fixes) / sensors.fix_step
-        return float(self.holds) * fixes + sensors.delay * sensors.step * slope, slope
-
-
 class LineEstimator:
-    """An estimator that follows a `Line` from the last position fix to the present, step by step.
+    """An estimator that follows a baseline's line from the last fix to the present, step by step.
 
     Before the first fix everything is zero; before the second the slope is.
     """
 
-    def __init__(self, sensors: Sensors, line: Line) -> None:
+    def __init__(self, sensors: Sensors, line: Baseline) -> None:
         self.step, self.delay, self.line = sensors.step, sensors.delay, line
         self.fix: Array = np.zeros(2)
         self.velocity: Array = np.zeros(2)
@@ -71,72 +47,74 @@ class LineEstimator:
         return Estimate(self.fix + ahead * self.velocity, self.velocity)
 
 
-def fix_chain(sensors: Sensors, line: Line) -> Chain:
-    """Make the chain whose estimates follow straight lines from one position fix to the next.
-
-    It takes no account of the specific force, and states no covariance. Its state is that of the
-    delayed time, to which the fixes belong; the predictor takes it to the present.
-    """
-    gains = [[float(line.holds), 0.0]]
-    if line.moves:
-        # The state moves on with its velocity, so a fix differs from it by the change of the slope
-        # times the time between two fixes.
-        gains.append([1.0, 1.0 / sensors.fix_step])
-    ahead = sensors.delay if line.moves else 0
-    M, step = sensors.fix_interval, sensors.step
-    rows = M * len(gains)
-    K = aligned(rows, 4, 2)
-    K[::M, :2, 0] = gains
-    A = np.eye(4)
-    A[0, 1] = step
-    unknown = np.broadcast_to(np.nan, (rows, 4, 4))
-    applied = np.arange(rows) % M == 0
-    return Chain(
-        gains=GainSchedule(
-            K=K,
-            applied=applied,
-            # no innovation has a known variance, so none is judged
-            fresh=np.zeros(rows, dtype=bool),
-            innovation_variance=np.full(rows, np.nan),
-            predicted=unknown,
-            filtered=unknown,
-            cycle=M,
-        ),
-        filter=FilterArrays(
-            A=A, B=np.zeros(4), h=np.zeros(4), K=K, applied=applied, C=np.zeros((1, 4, 4)),
-            D=np.zeros((1, 4, 2)), cycle=M, input_delay=0, window=0, fix_interval=M,
-        ),
-        # with steps of no length, the predictor adds up no specific force
-        predictor=PredictorArrays(
-            steps=ahead, step=0.0, half=0.0, pv=ahead * step, pb=0.0, vb=0.0, old_p=0.0
-        ),
-        mhe=NO_HORIZON,
-        axis=AxisFilter(
-            model=Discrete(A=A, B=np.zeros((4, 1)), Q=np.full((4, 4), np.nan), step=step),
-            force_row=np.zeros(4),
-            position_variance=np.nan,
-            force_variance=np.nan,
-            initial_covariance=np.full((4, 4), np.nan),
-        ),
-        input_model=None,
-    )  # fmt: skip
-
-
 class Baseline(ChainScheme):
-    """A baseline, which no key tunes: its line between two fixes."""
+    """A baseline, which no key tunes: the straight line from one position fix to the next.
+
+    holds: whether the line starts from the last fix; otherwise it is zero.
+    moves: whether the line has the slope between the last two fixes, and is at the present, a delay
+        ahead of the last fix; otherwise its slope is zero.
+    """
 
     sections = ()
 
-    def __init__(self, name: str, line: Line) -> None:
-        self.name, self._line = name, line
+    def __init__(self, name: str, *, holds: bool, moves: bool) -> None:
+        self.name, self.holds, self.moves = name, holds, moves
 
     def start(self, known: Known) -> LineEstimator:
-        return LineEstimator(known.sensors, self._line)
+        return LineEstimator(known.sensors, self)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
-        return fix_chain(known.sensors, self._line)
+        """Make the chain whose estimates follow straight lines from one position fix to the next.
+
+        It takes no account of the specific force, and states no covariance. Its state is that of
+        the delayed time, to which the fixes belong; the predictor takes it to the present.
+        """
+        sensors = known.sensors
+        gains = [[float(self.holds), 0.0]]
+        if self.moves:
+            # The state moves on with its velocity, so a fix differs from it by the change of the
+            # slope times the time between two fixes.
+            gains.append([1.0, 1.0 / sensors.fix_step])
+        ahead = sensors.delay if self.moves else 0
+        M, step = sensors.fix_interval, sensors.step
+        rows = M * len(gains)
+        K = aligned(rows, 4, 2)
+        K[::M, :2, 0] = gains
+        A = np.eye(4)
+        A[0, 1] = step
+        unknown = np.broadcast_to(np.nan, (rows, 4, 4))
+        applied = np.arange(rows) % M == 0
+        return Chain(
+            gains=GainSchedule(
+                K=K,
+                applied=applied,
+                # no innovation has a known variance, so none is judged
+                fresh=np.zeros(rows, dtype=bool),
+                innovation_variance=np.full(rows, np.nan),
+                predicted=unknown,
+                filtered=unknown,
+                cycle=M,
+            ),
+            filter=FilterArrays(
+                A=A, B=np.zeros(4), h=np.zeros(4), K=K, applied=applied, C=np.zeros((1, 4, 4)),
+                D=np.zeros((1, 4, 2)), cycle=M, input_delay=0, window=0, fix_interval=M,
+            ),
+            # with steps of no length, the predictor adds up no specific force
+            predictor=PredictorArrays(
+                steps=ahead, step=0.0, half=0.0, pv=ahead * step, pb=0.0, vb=0.0, old_p=0.0
+            ),
+            mhe=NO_HORIZON,
+            axis=AxisFilter(
+                model=Discrete(A=A, B=np.zeros((4, 1)), Q=np.full((4, 4), np.nan), step=step),
+                force_row=np.zeros(4),
+                position_variance=np.nan,
+                force_variance=np.nan,
+                initial_covariance=np.full((4, 4), np.nan),
+            ),
+            input_model=None,
+        )  # fmt: skip
 
 
-NONE = Baseline("NONE", Line(holds=False, moves=False))
-HOLD = Baseline("HOLD", Line(holds=True, moves=False))
-DELTA = Baseline("DELTA", Line(holds=True, moves=True))
+NONE = Baseline("NONE", holds=False, moves=False)
+HOLD = Baseline("HOLD", holds=True, moves=False)
+DELTA = Baseline("DELTA", holds=True, moves=True)
