@@ -23,7 +23,7 @@ from owtsweep.motion.spectra import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
 from owtsweep.studies import compose
-from owtsweep.studies.hub.conditions import get_grid, list_condition_names
+from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import STUDY
 from owtsweep.studies.hub.seas import make_plant
 
@@ -36,9 +36,9 @@ config: Any = compose(["motion=plant", "record.duration=2000", *seas, *words])
 step = 1.0 / config.sensors.imu.rate
 steps = round(config.record.duration / step)
 rows: list[dict[str, Any]] = []
-names, grid = list_condition_names(config), get_grid(config)
-for values in product(*(sorted(grid[name]) for name in names)):
-    conditions = dict(zip(names, values, strict=True))
+grid = PLANT.get_grid(config)
+for values in product(*map(sorted, grid.values())):
+    conditions = dict(zip(grid, values, strict=True))
     plant = make_plant(config, conditions)
     powers = []
     for replicate in range(config.grid.replicates):

@@ -21,10 +21,7 @@ from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub.conditions import (
-    get_map_conditions,
-    list_maps,
-)
+from owtsweep.studies.hub.conditions import find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
@@ -185,7 +182,7 @@ def test_a_run_has_tables_and_maps_over_sea_states(tmp_path):
 
 def test_maps_take_the_first_conditions_with_several_values():
     config = plant(motion__tp=[6.0, 8.0], motion__friction_angle=[30.0, 40.0])
-    assert [c.name for c in get_map_conditions(config)][:2] == ["tp", "friction_angle"]
+    assert [c.name for c in find_world(config).order_axes(config)][:2] == ["tp", "friction_angle"]
     assert list_maps(config) == {"": {"hs": 2.0, "blades": 0}}
     further = plant(motion__hs=[1.0, 2.0], motion__tp=[6.0, 8.0], motion__blades=[0, 2])
     assert list_maps(further) == {

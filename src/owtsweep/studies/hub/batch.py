@@ -14,7 +14,7 @@ from owtsweep.results.status import FAILED
 from owtsweep.studies.base.rows import Judgement, Means
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.conditions import find_amplitude, find_period, list_condition_names
+from owtsweep.studies.hub.conditions import find_amplitude, find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.kernels.layout import (
@@ -28,7 +28,8 @@ from owtsweep.studies.hub.kernels.layout import (
     products,
 )
 from owtsweep.studies.hub.measures import Sums
-from owtsweep.studies.hub.records import Feed, Records, Span, know_sensors, make_records_at
+from owtsweep.studies.hub.records import Feed, Records, Span
+from owtsweep.studies.hub.sensors import sensors as make_sensors
 
 #: Number of steps that kernels process at once, a chunk: so few that their rows fit the
 #: second-level cache.
@@ -194,12 +195,17 @@ def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     return config.engine == "batch" and not config.sensors.gnss.loses and scheme.batched != ""
 
 
-def make_records(
-    config: HubConfig, cell: Mapping[str, Value], replicates: Sequence[int]
-) -> Records:
-    """Return the records of a cell, whose motion and noise are made at first use."""
-    of_motion = {name: cell[name] for name in list_condition_names(config)}
-    return make_records_at(config, of_motion, replicates)
+def know(config: HubConfig, cell: Mapping[str, Value]) -> Known:
+    """Return what schemes may know of a cell.
+
+    With motion=plant and sensors.imu.tilt=structure, the tilt is the slope of the first mode,
+    rad/m.
+    """
+    world, period = find_world(config), cell.get("natural_period")
+    source = world.make_source(config, cell)
+    sensors = world.fit_sensors(source, make_sensors(config.sensors), config)
+    known_period = None if period is None else float(period)
+    return Known(sensors, config, known_period, find_amplitude(config, cell))
 
 
 def run_batch(
@@ -210,25 +216,22 @@ def run_batch(
     Chains run together on each span, while it is in the processor's cache. Motion and noise are
     apart in a cell without an amplitude.
     """
-    amplitude = find_amplitude(config, cell)
-    known = Known(know_sensors(config, cell), config, find_period(cell), amplitude)
+    known = know(config, cell)
     found: dict[str, Result] = {}
     for scheme in schemes:
         if scheme.batched == "own":
-            found[scheme.name] = _run_own_kernel(scheme, scheme.tell(known), records, amplitude)
+            found[scheme.name] = _run_own_kernel(scheme, known, records)
     chained = [scheme for scheme in schemes if scheme.batched == "chain"]
     found |= _run_chains(known, chained, records)
     return [found[scheme.name] for scheme in schemes]
 
 
-def _run_own_kernel(
-    scheme: Scheme, known: Known, records: Records, amplitude: float | None
-) -> Result:
+def _run_own_kernel(scheme: Scheme, known: Known, records: Records) -> Result:
+    judged, amplitude = known.tuning.measures, known.amplitude
     assert amplitude is not None  # such schemes run at each
-    judged = known.tuning.measures
     settled, keep = judged.find_settled(records.sensors.step), judged.extremes
     try:
-        kernel = scheme.own_kernel(known, records.steps)
+        kernel = scheme.own_kernel(scheme.tell(known), records.steps)
         return _judge(kernel.sum_errors(records, settled, amplitude, keep_squared=keep))
     except Exception as error:
         return error

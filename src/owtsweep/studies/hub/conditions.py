@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
-from owtsweep.results.conditions import Condition, Grid, Value
+from owtsweep.results.conditions import Value
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.plant import PLANT
@@ -57,38 +57,14 @@ JUDGED = {
 }
 
 
-def get_conditions(config: HubConfig) -> tuple[Condition, ...]:
-    return find_world(config).conditions
-
-
-def get_grid(config: HubConfig) -> Grid:
-    return find_world(config).get_grid(config)
-
-
-def list_condition_names(config: HubConfig) -> list[str]:
-    """Return the names of the conditions that a record's motion has: all but the amplitude."""
-    return [c.name for c in get_conditions(config) if not c.expands]
-
-
-def find_period(cell: Mapping[str, Value]) -> float | None:
-    """Return the natural period of a cell, s; None if it is no condition."""
-    period = cell.get("natural_period")
-    return None if period is None else float(period)
-
-
 def find_amplitude(config: HubConfig, cell: Mapping[str, Value]) -> float | None:
     """Return the amplitude of a cell, m; None: none, motion and noise are run apart.
 
     It is 1 where no condition is an amplitude: the motion as it is.
     """
-    scaled = any(condition.expands for condition in get_conditions(config))
+    scaled = any(condition.expands for condition in find_world(config).conditions)
     amplitude = cell.get("amplitude", None if scaled else 1.0)
     return None if amplitude is None else float(amplitude)
-
-
-def get_map_conditions(config: HubConfig) -> tuple[Condition, ...]:
-    """Return the conditions, with the two first that a map has as axes."""
-    return find_world(config).order_axes(config)
 
 
 def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
@@ -96,7 +72,8 @@ def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
 
     The first one's name has no end. A condition with a single value is not in the name.
     """
-    grid, further = get_grid(config), get_map_conditions(config)[2:]
+    world = find_world(config)
+    grid, further = world.get_grid(config), world.order_axes(config)[2:]
     maps: dict[str, dict[str, Value]] = {}
     for values in product(*(grid[condition.name] for condition in further)):
         at = dict(zip((condition.name for condition in further), values, strict=True))

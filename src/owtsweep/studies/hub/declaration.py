@@ -23,13 +23,13 @@ from owtsweep.studies.base.declaration import (
     Stated,
 )
 from owtsweep.studies.base.rows import Means
-from owtsweep.studies.hub.batch import make_records, run_batch, uses_kernels
-from owtsweep.studies.hub.conditions import WORLDS, find_amplitude, find_period, find_world
+from owtsweep.studies.hub.batch import know, run_batch, uses_kernels
+from owtsweep.studies.hub.conditions import WORLDS, find_amplitude, find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.listed import SCHEMES
 from owtsweep.studies.hub.measures import from_trajectories
-from owtsweep.studies.hub.records import Records, count_records_per_block, know_sensors
+from owtsweep.studies.hub.records import Records, count_records_per_block, make_records_at
 from owtsweep.studies.hub.sensors import Measured, observe
 from owtsweep.studies.hub.untold import list_untold
 from owtsweep.studies.hub.world import World
@@ -66,10 +66,6 @@ def list_content(config: HubConfig) -> Plain:
     return content
 
 
-def _make_truth(config: HubConfig, cell: Cell, replicate: int) -> Records:
-    return make_records(config, cell, [replicate])
-
-
 def _measure(config: HubConfig, cell: Cell, records: Records) -> Record:
     """Return what sensors say; fixes that are lost with the noise are lost with the motion."""
     (motion,), (noise,), direction = records.motion, records.noise, records.direction
@@ -81,11 +77,10 @@ def _measure(config: HubConfig, cell: Cell, records: Records) -> Record:
 
 def _inform(config: HubConfig, cell: Cell, record: Record) -> dict[str, Part[Known, Measured]]:
     """Return the whole record, or in a cell without an amplitude motion and noise apart."""
-    amplitude, motion, noise = find_amplitude(config, cell), record.motion, record.noise
-    known = Known(know_sensors(config, cell), config, find_period(cell), amplitude)
-    if amplitude is None:
+    known, motion, noise = know(config, cell), record.motion, record.noise
+    if known.amplitude is None:
         return {"motion": Part(known, motion), "noise": Part(known, noise)}
-    return {"whole": Part(known, motion.add_noise(amplitude, noise))}
+    return {"whole": Part(known, motion.add_noise(known.amplitude, noise))}
 
 
 def _score(
@@ -153,7 +148,7 @@ def _declare(world: World) -> AnyDeclaration:
         schemes=SCHEMES,
         list_content=list_content,
         most_records=count_records_per_block,
-        make_truth=_make_truth,
+        make_truth=lambda config, cell, replicate: make_records_at(config, cell, [replicate]),
         measure=_measure,
         inform=_inform,
         tell=Scheme.tell,
@@ -163,7 +158,7 @@ def _declare(world: World) -> AnyDeclaration:
         show=_show,
         state=_state,
         superposes=superposes,
-        batch=Batch(uses_kernels, make_records, run_batch),
+        batch=Batch(uses_kernels, make_records_at, run_batch),
         list_untold=list_untold,
     )
 

@@ -13,15 +13,7 @@ import pandas as pd
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.cube import Cube
 from owtsweep.results.verdicts import Asked, count_cells
-from owtsweep.studies.hub.conditions import (
-    CRITERIA,
-    JUDGED,
-    MEASURES,
-    criteria,
-    find_world,
-    get_conditions,
-    get_grid,
-)
+from owtsweep.studies.hub.conditions import CRITERIA, JUDGED, MEASURES, criteria, find_world
 from owtsweep.studies.hub.config import HubConfig, SensorConfig
 from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.tuning_rules import take_facts
@@ -243,8 +235,8 @@ def explain(baselines: list[str]) -> list[str]:
 def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:
     """Arrange a run's rows as a cube, with `baselines` after the schemes."""
     names = scheme_names(config) + (list_baselines(config) if baselines else [])
-    conditions = get_conditions(config)
-    return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)
+    world = find_world(config)
+    return Cube.of_rows(rows, names, world.conditions, world.get_grid(config), measures=MEASURES)
 
 
 def judge_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
@@ -270,7 +262,7 @@ def ask(config: HubConfig) -> Asked:
         config.measures.window,
         [*SCHEMES.rank(config)],
         list_baselines(config),
-        count_cells(get_grid(config)),
+        count_cells(find_world(config).get_grid(config)),
         grid.margin,
         grid.most,
     )

@@ -24,15 +24,7 @@ from owtsweep.studies.base.costs import count_records
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes
-from owtsweep.studies.hub.conditions import (
-    JUDGED,
-    criteria,
-    find_world,
-    get_conditions,
-    get_grid,
-    get_map_conditions,
-    list_maps,
-)
+from owtsweep.studies.hub.conditions import JUDGED, criteria, find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
@@ -94,7 +86,7 @@ class _Engine(Engine):
 
         criterion, window = config.measures.criterion, config.measures.window
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
-        conditions = get_map_conditions(config)
+        conditions = self.world.order_axes(config)
         judged = JUDGED[criterion]
         shown = grid(
             table, names, conditions, criterion, window,
@@ -111,7 +103,7 @@ class _Engine(Engine):
         return Contents(
             self._list_origin(config),
             [*self._tell(config, table, tables), *notes],
-            get_map_conditions(config),
+            self.world.order_axes(config),
             asked.criteria,
             asked.window,
             asked.contenders,
@@ -132,7 +124,7 @@ class _Engine(Engine):
         """Return the answer in sentences; `table` has the cells of the map."""
         judged, ratios, lines = JUDGED[config.measures.criterion], tables["ratios"], []
         if len(table):
-            lines += tell_answer(table, ratios, judged, get_map_conditions(config))
+            lines += tell_answer(table, ratios, judged, self.world.order_axes(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, ratios, judged)
             lines += tell_alike(further, tables["summary"], [*ask(config).criteria])
@@ -313,8 +305,8 @@ def describe_run(run: Candidate) -> Aspects:
     # sigma, delay, rate, bias and tuning change neither the motion's phases nor the draws of noise
     pairing = {"seed": config.seed, "record": config.record, **world.list_pairing(config)}
     return Aspects(
-        conditions=get_conditions(config),
-        grid=get_grid(config),
+        conditions=world.conditions,
+        grid=world.get_grid(config),
         schemes=scheme_names(config),
         criterion=config.measures.criterion,
         window=window,

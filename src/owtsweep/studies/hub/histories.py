@@ -12,7 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.results.conditions import Value
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
-from owtsweep.studies.hub.conditions import find_world, get_grid
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve_all
@@ -96,7 +96,7 @@ def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, V
 
     Blades and friction angle are the first of the configuration.
     """
-    grid = get_grid(config)
+    grid = find_world(config).get_grid(config)
     nearest = {
         name: min(grid[name], key=lambda value: abs(float(value) - wanted))
         for name, wanted in sea.items()

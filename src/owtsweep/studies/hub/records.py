@@ -38,15 +38,13 @@ MEMORY_SHARE = 128_000_000
 class Records:
     """The records of some replicates: motion of unit amplitude (or the plant's), and sensor noise.
 
-    conditions: the conditions of the motion, without the amplitude.
-    in_streams: values of those conditions that are in the keys of random streams.
-    sensors: the sensors as they are; estimators may be told otherwise (`know_sensors`).
+    in_streams: values of the conditions that are in the keys of random streams.
+    sensors: the sensors as they are; estimators may be told otherwise (`batch.know`).
     replicates: the numbers of the replicates, in order.
     direction: unit vector (2,) along the wave, north and east.
     """
 
     config: HubConfig
-    conditions: Mapping[str, Value]
     in_streams: tuple[float, ...]
     source: Source
     sensors: Sensors
@@ -135,12 +133,14 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
 def make_records_at(
     config: HubConfig, conditions: Mapping[str, Value], replicates: Sequence[int]
 ) -> Records:
-    """Return the records under all conditions but the amplitude, made at first use."""
+    """Return the records under all conditions but the amplitude, made at first use.
+
+    `conditions` may have the amplitude too.
+    """
     world, angle = find_world(config), np.deg2rad(config.wave_direction)
     source = world.make_source(config, conditions)
     return Records(
         config=config,
-        conditions=dict(conditions),
         in_streams=tuple(
             float(conditions[each.name]) for each in world.conditions if each.in_streams
         ),
@@ -149,17 +149,6 @@ def make_records_at(
         replicates=tuple(replicates),
         direction=np.array([np.cos(angle), np.sin(angle)]),
     )
-
-
-def know_sensors(config: HubConfig, conditions: Mapping[str, Value]) -> Sensors:
-    """Return what estimators may know of the sensors, under all conditions but the amplitude.
-
-    With motion=plant and sensors.imu.tilt=structure, the tilt is the slope of the first mode,
-    rad/m.
-    """
-    world = find_world(config)
-    source = world.make_source(config, conditions)
-    return world.fit_sensors(source, sensing.sensors(config.sensors), config)
 
 
 def count_records_per_block(config: HubConfig) -> int:

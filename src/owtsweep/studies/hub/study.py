@@ -111,9 +111,9 @@ class HubStudy(HubKeys):
         check(find_declaration(config).axes, list_untold(config), check_truth, config)
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        from owtsweep.studies.hub.conditions import get_conditions
+        from owtsweep.studies.hub.conditions import find_world
 
-        return get_conditions(config)
+        return find_world(config).conditions
 
     def engine(self, config: HubConfig) -> Engine:
         from owtsweep.studies.hub.conditions import find_world

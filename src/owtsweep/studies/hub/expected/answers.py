@@ -22,7 +22,7 @@ from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
 from owtsweep.results.verdicts import judge_exactly
 from owtsweep.statistics.contest import Contest, agree, contest, group_coinciding
-from owtsweep.studies.hub.conditions import JUDGED, criteria, get_grid
+from owtsweep.studies.hub.conditions import JUDGED, criteria, find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import ask, make_cube
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
@@ -109,7 +109,7 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """
     window, measure = config.measures.window, config.measures.criterion
     best = best_scheme(
-        rows, scheme_names(config), criteria(config), get_grid(config), window,
+        rows, scheme_names(config), criteria(config), find_world(config).get_grid(config), window,
         list_baselines(config),
     )  # fmt: skip
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from owtsweep.figures import style
 from owtsweep.figures.plane import Plane
 from owtsweep.studies.hub.bounds.cells import WINDOW
-from owtsweep.studies.hub.conditions import get_grid
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.world import CONDITIONS
@@ -41,7 +41,8 @@ def draw(config: HubConfig, summary: pd.DataFrame, measure: str = "position") ->
     rows = summary[(summary["window"] == WINDOW) & (summary["measure"] == measure)]
     names = [*scheme_names(config), *list_baselines(config)]
     names = [name for name in names if (rows["scheme"] == name).any()]
-    plane = Plane.over(CONDITIONS, {name: sorted(at) for name, at in get_grid(config).items()})
+    grid = find_world(config).get_grid(config)
+    plane = Plane.over(CONDITIONS, {name: sorted(at) for name, at in grid.items()})
     lines = -(-len(names) // PER_ROW)
     columns = min(len(names), PER_ROW)
     figure = style.new_figure(1.6 + 2.5 * columns, 1.4 + lines * (0.9 + 0.26 * len(plane.lines)))

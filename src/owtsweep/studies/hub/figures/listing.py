@@ -12,13 +12,7 @@ import pandas as pd
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import Value
 from owtsweep.results.status import FAILED
-from owtsweep.studies.hub.conditions import (
-    JUDGED,
-    find_world,
-    get_map_conditions,
-    list_maps,
-    select,
-)
+from owtsweep.studies.hub.conditions import JUDGED, find_world, list_maps, select
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
     describe_one_record,
@@ -148,7 +142,7 @@ def draw_cells(
     return best_scheme_map.draw(
         select(best, at or {}),
         names,
-        get_map_conditions(config)[:2],
+        find_world(config).order_axes(config)[:2],
         criterion=criterion,
         window=window,
         tuning=config.tuning_name,
@@ -166,7 +160,7 @@ def _list_regret(config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> dict[
     return regret_map.list_maps(
         tables,
         scheme_names(config) + list_baselines(config),
-        get_map_conditions(config),
+        find_world(config).order_axes(config),
         config.tuning_name,
         config.grid.describe_records(),
     )

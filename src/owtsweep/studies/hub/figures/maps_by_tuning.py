@@ -22,7 +22,7 @@ from owtsweep.figures.margin import HANDLERS, list_shades
 from owtsweep.figures.plane import Plane
 from owtsweep.results.answer import tell_counts
 from owtsweep.results.conditions import Value
-from owtsweep.studies.hub.conditions import JUDGED, find_world, get_map_conditions, select
+from owtsweep.studies.hub.conditions import JUDGED, find_world, select
 from owtsweep.studies.hub.describe import describe_origin, find_alike, find_winners, tell_window
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.sweep.gather import Results
@@ -79,7 +79,7 @@ def draw(
                 f"tuning {tuning}: no cell is judged by {criterion} in window {window!r}"
             )
     names = [*scheme_names(config), *list_baselines(config)]
-    axes_of_maps = get_map_conditions(config)[:2]
+    axes_of_maps = find_world(config).order_axes(config)[:2]
     planes = {tuning: Plane.of(cells, axes_of_maps) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())
     lines = max(len(plane.lines) for plane in planes.values())
