@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.results.conditions import Condition, Value, order_values
+from owtsweep.results.conditions import Condition, Value, order_values, select
 
 if TYPE_CHECKING:
     from owtsweep.results.cube import Cube
@@ -92,7 +92,7 @@ def draw(
     for line, row in zip(lines, grid, strict=True):
         for value, axes in zip(columns, row, strict=True):
             cell = {across: value, **line}
-            _draw_panel(axes, _select(errors, cell), schemes)
+            _draw_panel(axes, select(errors, {c.name: v for c, v in cell.items()}), schemes)
             named = ", ".join(f"{c.word} {c.show(v)}" for c, v in cell.items())
             axes.set_title(named, loc="left", fontsize=9)
     for row in grid:
@@ -116,12 +116,6 @@ def draw(
 
 def _list_values(errors: pd.DataFrame, condition: Condition) -> list[Value]:
     return order_values(errors[condition.name], errors[condition.name].unique())
-
-
-def _select(errors: pd.DataFrame, cell: Mapping[Condition, Value]) -> pd.DataFrame:
-    for condition, value in cell.items():
-        errors = errors[errors[condition.name] == value]
-    return errors
 
 
 def _draw_panel(axes: Axes, errors: pd.DataFrame, schemes: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ from owtsweep.errors import printable
 from owtsweep.figures.margin import fill_cell, ratio_of
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Row
-from owtsweep.results.conditions import Condition, Grid, Value, show_value
+from owtsweep.results.conditions import Condition, Grid, Value, select, show_value
 from owtsweep.results.contents import Contents
 from owtsweep.results.criteria import show_error
 
@@ -61,8 +61,7 @@ def draw(contents: Contents) -> str:
     layout = choose_axes(contents.conditions, grid)
     criterion = next(iter(contents.criteria))
     shown = best[(best["criterion"] == criterion) & (best["window"] == contents.window)]
-    for condition in layout.further:
-        shown = shown[shown[condition.name] == grid[condition.name][0]]
+    shown = select(shown, {each.name: grid[each.name][0] for each in layout.further})
     columns = grid[layout.across.name]
     lines: list[Value] = grid[layout.upwards.name] if layout.upwards else [""]
     names = [layout.across.name, *([layout.upwards.name] if layout.upwards else [])]

@@ -119,6 +119,13 @@ def order_values(column: object, listed: Iterable[Value] = ()) -> list[Value]:
     return distinct
 
 
+def select(table: pd.DataFrame, at: Mapping[str, Value]) -> pd.DataFrame:
+    """Return the rows of a table with given values of conditions, condition -> value."""
+    for name, value in at.items():
+        table = table[table[name] == value]
+    return table
+
+
 def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[object]]) -> pd.DataFrame:
     """Return a table sorted by some of its columns.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import product
-from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
 from owtsweep.results.conditions import Value
@@ -12,10 +11,6 @@ from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criteri
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.world import SPECTRUM, World, list_departing
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 #: Value of the key `motion.kind` -> the world that it chooses.
 WORLDS: dict[str, World] = {world.name: world for world in (SPECTRUM, PLANT)}
@@ -73,22 +68,15 @@ def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
     The first one's name has no end. A condition with a single value is not in the name.
     """
     world = find_world(config)
-    grid, further = world.get_grid(config), world.order_axes(config)[2:]
+    grid, further = world.get_grid(config), [c.name for c in world.order_axes(config)[2:]]
     maps: dict[str, dict[str, Value]] = {}
-    for values in product(*(grid[condition.name] for condition in further)):
-        at = dict(zip((condition.name for condition in further), values, strict=True))
+    for values in product(*(grid[name] for name in further)):
+        at = dict(zip(further, values, strict=True))
         varied = [f"_{name}_{value}" for name, value in at.items() if len(grid[name]) > 1]
         maps["".join(varied) if maps else ""] = at
     return maps
 
 
-def select(table: pd.DataFrame, at: Mapping[str, Value]) -> pd.DataFrame:
-    """Return the rows of a table with given values of conditions, condition -> value."""
-    for name, value in at.items():
-        table = table[table[name] == value]
-    return table
-
-
 def criteria(config: HubConfig) -> tuple[str, ...]:
     """Return the measures of best_scheme.csv: position, velocity and the run's criterion."""
-    return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
+    return tuple(dict.fromkeys((*CRITERIA, config.measures.criterion)))

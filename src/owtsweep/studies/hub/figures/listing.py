@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.results.conditions import Value
+from owtsweep.results.conditions import Value, select
 from owtsweep.results.status import FAILED
-from owtsweep.studies.hub.conditions import JUDGED, find_world, list_maps, select
+from owtsweep.studies.hub.conditions import JUDGED, find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
     describe_one_record,

@@ -21,8 +21,8 @@ from owtsweep.figures.best_scheme_map import ONE_LINE, RUNNER_UP, draw_cells
 from owtsweep.figures.margin import HANDLERS, list_shades
 from owtsweep.figures.plane import Plane
 from owtsweep.results.answer import tell_counts
-from owtsweep.results.conditions import Value
-from owtsweep.studies.hub.conditions import JUDGED, find_world, select
+from owtsweep.results.conditions import Value, select
+from owtsweep.studies.hub.conditions import JUDGED, find_world
 from owtsweep.studies.hub.describe import describe_origin, find_alike, find_winners, tell_window
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.sweep.gather import Results
