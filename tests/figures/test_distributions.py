@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 from owtsweep.errors import InputError
@@ -19,13 +20,18 @@ def make_cube(conditions, *, replicates: int) -> Cube:
     return Cube.of_rows(rows, SCHEMES, conditions, GRID)
 
 
+def draw(cube: Cube) -> Figure:
+    told = {"title": "Errors", "tuning": "paper", "label": "strain"}
+    return distributions.draw(cube, "strain", "full", **told)
+
+
 @pytest.mark.parametrize("replicates", [5, 40])
 def test_boxes_are_of_the_errors_of_single_records(replicates):
     conditions = (FACTOR, NOISE)
     cube = make_cube(conditions, replicates=replicates)
     errors = distributions.collect(cube, "strain", "full")
     assert len(errors) == 3 * 2 * len(SCHEMES) * replicates
-    figure = distributions.draw(errors, SCHEMES, conditions, title="Errors", label="strain")
+    figure = draw(cube)
     assert len(figure.axes) == 6
     for place, axes in enumerate(figure.axes):
         factor, noise = GRID["soil_factor"][place % 3], GRID["noise"][1 - place // 3]
@@ -59,9 +65,10 @@ def test_boxes_are_of_the_errors_of_single_records(replicates):
 
 def test_the_cells_are_the_first_the_middle_and_the_last():
     conditions = (SOIL,)
-    errors = distributions.collect(make_cube(conditions, replicates=4), "strain", "full")
+    cube = make_cube(conditions, replicates=4)
+    errors = distributions.collect(cube, "strain", "full")
     assert list(dict.fromkeys(errors["soil"])) == ["sand", "clay", "rock"]
-    figure = distributions.draw(errors, SCHEMES, conditions, title="Errors", label="strain")
+    figure = draw(cube)
     assert [axes.get_title("left") for axes in figure.axes] == [
         "soil sand", "soil clay", "soil rock",
     ]  # fmt: skip

@@ -64,22 +64,15 @@ def _choose(count: int) -> list[int]:
     return sorted({0, count // 2, count - 1})
 
 
-def draw(
-    errors: pd.DataFrame,
-    schemes: Sequence[str],
-    conditions: Sequence[Condition],
-    *,
-    title: str,
-    label: str,
-) -> Figure:
-    """Draw the errors of single records, one panel per cell, one box per scheme.
+def draw(cube: Cube, criterion: str, window: str, *, title: str, tuning: str, label: str) -> Figure:
+    """Draw the errors of single records that `collect` returns.
 
-    errors: the table that `collect` returns.
-    schemes: names of all schemes in it, from top to bottom.
-    conditions: Its conditions: the first runs from left to right, the second from bottom to top.
-    label: Label of the axes of errors, which are logarithmic.
+    There is one panel per cell, and in it one box per scheme, from top to bottom. The first
+    condition runs from left to right, the second from bottom to top. `label` is that of the axes of
+    errors, which are logarithmic.
     """
-    across, *rest = conditions
+    errors, schemes = collect(cube, criterion, window), cube.schemes
+    across, *rest = cube.conditions
     columns = _list_values(errors, across)
     lines: list[dict[Condition, Value]] = [{}]
     if rest:
@@ -99,8 +92,9 @@ def draw(
         _scale(row[0])
     for axes in grid[-1]:
         axes.set_xlabel(label)
+    title = f"{title}\n{style.describe_window(window)}, tuning: {tuning}"
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
-    counts = errors.groupby(["scheme", *(c.name for c in conditions)])["error"].size()
+    counts = errors.groupby(["scheme", *cube.names])["error"].size()
     points = "points: the records" if counts.max() <= MOST_POINTS else "dots: records beyond"
     low, high = WHISKERS
     style.footnote(

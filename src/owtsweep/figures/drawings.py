@@ -22,18 +22,26 @@ logger = logging.getLogger(__name__)
 Drawing = Callable[[Path, str], list[Path]]
 
 
-def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
+def save_figure(
+    draw: Callable[[], Figure],
+    metadata: Mapping[str, str] | None,
+    origin: str = "",
+    letters: float = 11.0,
+) -> Drawing:
     """Return a function that draws and saves a figure; its arguments are a folder and a name.
 
     `draw` is called in the package's style. The texts of `metadata`, by name, are stored in the
-    files.
+    files. `origin` is written above the figure, its lines folded at so many `letters` per inch.
     """
 
     def drawing(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style
 
         with style.context():
-            return style.save(draw(), folder, name, metadata)
+            figure = draw()
+            if origin:
+                style.add_origin(figure, origin, letters)
+            return style.save(figure, folder, name, metadata)
 
     return drawing
 

@@ -77,8 +77,14 @@ def footnote(figure: Figure, text: str) -> float:
     return FOOTNOTE_LINE * len(lines)
 
 
-def add_origin(figure: Figure, text: str) -> None:
-    """Write a line above everything else: where the numbers of the figure come from."""
+def add_origin(figure: Figure, text: str, letters: float | None = None) -> None:
+    """Write lines above everything else: where the numbers of the figure come from.
+
+    Lines are folded at so many `letters` per inch of the figure's width; None: at none.
+    """
+    if letters is not None:
+        width = round(letters * figure.get_figwidth())
+        text = "\n".join(textwrap.fill(line, width) for line in text.split("\n"))
     title = figure.get_suptitle()
     if title:
         figure.suptitle(f"{title}\n{text}", x=0.01, ha="left")

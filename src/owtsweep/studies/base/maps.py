@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from textwrap import fill
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -23,7 +22,6 @@ from owtsweep.studies.registry import list_schemes
 LETTERS_PER_INCH = 9.5
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from rich.console import RenderableType
 
 
@@ -40,11 +38,13 @@ def list_maps(
     The latter shows single records, if there are several, by the key `criterion`. `contenders`
     names the schemes, the simplest first, if cells get records until they are decided.
     """
-    from owtsweep.figures import best_scheme_map, distributions, regret_map, style
+    from owtsweep.figures import best_scheme_map, distributions, regret_map
 
-    def save(draw: Callable[[], Figure]) -> Drawing:
-        return save_figure(partial(_add_origin, contest, config, draw), metadata)
-
+    origin = (
+        f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.\n"
+        f"Sensors: {contest.describe_sensors(config)}."
+    )
+    save = partial(save_figure, metadata=metadata, origin=origin, letters=LETTERS_PER_INCH)
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     conditions, records = contest.find_conditions(config), config.grid.describe_records()
     notes = [*tell_unable(cube.unable), *tell_latencies(config, rows)]
@@ -64,14 +64,11 @@ def list_maps(
     of_regret = regret_map.list_maps(tables, cube.schemes, conditions, config.tuning_name, records)
     drawings |= {name: save(draw) for name, draw in of_regret.items()}
     if config.grid.first >= distributions.LEAST_RECORDS:
-        title = (
-            f"Errors of single records by {contest.criteria[config.criterion].title}\n"
-            f"{style.describe_window(WINDOW)}, tuning: {config.tuning_name}"
-        )
+        title = f"Errors of single records by {contest.criteria[config.criterion].title}"
         drawings[distributions.NAME] = save(
-            lambda: distributions.draw(
-                distributions.collect(cube, config.criterion, WINDOW), cube.schemes,
-                cube.conditions, title=title, label="error",
+            partial(
+                distributions.draw, cube, config.criterion, WINDOW,
+                title=title, tuning=config.tuning_name, label="error",
             )
         )  # fmt: skip
     return drawings
@@ -137,17 +134,3 @@ def tell_latencies(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
         return []
     text = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in latencies.items())
     return [f"In summary.csv, but not in the contest, because estimates wait: {text}."]
-
-
-def _add_origin(contest: Contest[C], config: C, draw: Callable[[], Figure]) -> Figure:
-    """Draw a figure, and write above it of what it is."""
-    from owtsweep.figures import style
-
-    figure = draw()
-    lines = [
-        f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.",
-        f"Sensors: {contest.describe_sensors(config)}.",
-    ]
-    letters = round(LETTERS_PER_INCH * figure.get_figwidth())
-    style.add_origin(figure, "\n".join(fill(line, letters) for line in lines))
-    return figure

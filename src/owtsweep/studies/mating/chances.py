@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -87,8 +86,7 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
         f"Truth: {CONTEST.describe_truth(config)}; {describe_draws(config)}.",
         f"Sensors: {CONTEST.describe_sensors(config)}; tuning {config.tuning_name}.",
     ]
-    letters = round(12.0 * figure.get_figwidth())
-    style.add_origin(figure, "\n".join(fill(line, letters) for line in lines))
+    style.add_origin(figure, "\n".join(lines), 12.0)
     return figure
 
 

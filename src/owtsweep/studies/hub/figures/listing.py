@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial
-from textwrap import fill
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from owtsweep.figures import regret_map
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import Value, select
 from owtsweep.results.status import FAILED
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 #: A function that draws a figure.
 Draw = Callable[[], "Figure"]
 
-#: Letters of the lines above a figure that fit into an inch.
-LETTERS_PER_INCH = 11.0
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
 MAP = "figure_18_best_scheme"
@@ -71,12 +69,15 @@ def drawings(
     for end, at in list_maps(config).items():
         best = partial(draw_cells, config, tables, rows, coinciding=same, records=records, at=at)
         found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
-    if find_world(config).has_spectrum:
+    world = find_world(config)
+    if world.has_spectrum:
         summary = _share_records(config, rows) if config.grid.decides else tables["summary"]
         found |= over_amplitude(config, summary, set(summary["natural_period"]), same)
         found |= {**list_efficiency(config, summary), **list_distributions(config, rows)}
+    names, axes = scheme_names(config) + list_baselines(config), world.order_axes(config)
+    found |= regret_map.list_maps(tables, names, axes, config.tuning_name, records)
     return {
-        **save_each(found | _list_regret(config, tables), describe_origin(config), metadata),
+        **save_each(found, describe_origin(config), metadata),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
@@ -93,18 +94,7 @@ def save_each(
     figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
     """Turn functions that draw figures into functions that save them too, with `origin` above."""
-
-    def with_origin(draw: Draw) -> Figure:
-        from owtsweep.figures import style
-
-        figure = draw()
-        letters = round(LETTERS_PER_INCH * figure.get_figwidth())
-        style.add_origin(figure, "\n".join(fill(line, letters) for line in origin.splitlines()))
-        return figure
-
-    return {
-        name: save_figure(partial(with_origin, draw), metadata) for name, draw in figures.items()
-    }
+    return {name: save_figure(draw, metadata, origin) for name, draw in figures.items()}
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
@@ -154,18 +144,6 @@ def draw_cells(
     )
 
 
-def _list_regret(config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> dict[str, Draw]:
-    from owtsweep.figures import regret_map
-
-    return regret_map.list_maps(
-        tables,
-        scheme_names(config) + list_baselines(config),
-        find_world(config).order_axes(config),
-        config.tuning_name,
-        config.grid.describe_records(),
-    )
-
-
 def over_amplitude(
     config: HubConfig,
     summary: pd.DataFrame,
@@ -206,21 +184,20 @@ def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]
 
 def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]:
     """List the figure of the errors of single records, if there are several, by its name."""
-    from owtsweep.figures import distributions, style
+    from owtsweep.figures import distributions
     from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
 
-    criterion, window = config.measures.criterion, config.measures.window
+    criterion = config.measures.criterion
     if config.grid.first < distributions.LEAST_RECORDS:
         return {}
 
     def draw() -> Figure:
-        cube = make_cube(config, rows, baselines=True)
         return distributions.draw(
-            distributions.collect(cube, criterion, window),
-            cube.schemes,
-            cube.conditions,
-            title=f"Errors of single records, {criterion} MSE\n"
-            f"{style.describe_window(window)}, tuning: {config.tuning_name}",
+            make_cube(config, rows, baselines=True),
+            criterion,
+            config.measures.window,
+            title=f"Errors of single records, {criterion} MSE",
+            tuning=config.tuning_name,
             label=PANELS[criterion],
         )
 
@@ -229,20 +206,7 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
     """List the figures that need the configuration alone: record, spectrum, histories, errors."""
-    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum
-
-    found: dict[str, Draw] = {
-        "figure_03_record": partial(record_and_spectrum.draw_record, config),
-        "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
-        **_time_histories(config),
-    }
-    if find_world(config).has_spectrum:
-        found["error_spectra"] = partial(error_spectra.draw, config, coinciding=coinciding)
-    return found
-
-
-def _time_histories(config: HubConfig) -> dict[str, Draw]:
-    from owtsweep.studies.hub.figures import time_histories
+    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 
     simulated = cache(lambda: simulate_histories(config))
@@ -250,4 +214,11 @@ def _time_histories(config: HubConfig) -> dict[str, Draw]:
     def history(quantity: str, zoom: bool) -> Figure:
         return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning_name)
 
-    return {name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()}
+    found: dict[str, Draw] = {
+        "figure_03_record": partial(record_and_spectrum.draw_record, config),
+        "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
+        **{name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()},
+    }
+    if find_world(config).has_spectrum:
+        found["error_spectra"] = partial(error_spectra.draw, config, coinciding=coinciding)
+    return found
