@@ -41,8 +41,7 @@ def sigma_1(q_a: float, q_b: float) -> Model:
     noise drives only the bias. The text of the paper says that white noise drives the acceleration
     too, so Q contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
     """
-    A = np.zeros((4, 4))
-    A[0, 1] = A[1, 2] = 1.0
+    A = np.diag([1.0, 1.0, 0.0], k=1)
     return Model(A=A, B=np.zeros((4, 1)), Q=np.diag([0.0, 0.0, q_a, q_b]))
 
 
@@ -54,8 +53,7 @@ def sigma_2(q_f: float, q_b: float, lean: float = 0.0) -> Model:
     of the bias' walk. Q is the paper's E Q E'. With `lean`, in s^-2, which the paper has not
     (section 3, assumption 2), the IMU leans as it moves: f = a - lean p, so v' = u + b + lean p.
     """
-    A = np.zeros((3, 3))
-    A[0, 1] = A[1, 2] = 1.0
+    A = np.eye(3, k=1)
     A[1, 0] = lean
     return Model(A=A, B=np.array([[0.0], [1.0], [0.0]]), Q=np.diag([0.0, q_f, q_b]))
 
@@ -65,12 +63,10 @@ def four_states(model: Discrete) -> Discrete:
 
     It is white noise of variance 1 and affects no other state.
     """
-    A, B, Q = np.zeros((4, 4)), np.zeros((4, 1)), np.zeros((4, 4))
-    A[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.A
-    B[SIGMA_2_STATES] = model.B
-    Q[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.Q
+    spread = np.eye(4)[:, SIGMA_2_STATES]
+    Q = spread @ model.Q @ spread.T
     Q[2, 2] = 1.0
-    return Discrete(A=A, B=B, Q=Q, step=model.step)
+    return Discrete(A=spread @ model.A @ spread.T, B=spread @ model.B, Q=Q, step=model.step)
 
 
 @dataclass(frozen=True)
