@@ -65,8 +65,7 @@ def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Arr
         nodes += [centre - offsets, np.array([centre]), centre + offsets]
     frequency = np.unique(np.concatenate(nodes))
     frequency = frequency[(frequency >= low) & (frequency <= high)]
-    apart = np.diff(frequency) > 1e-9 * high
-    return np.asarray(frequency[np.concatenate([[True], apart])])
+    return np.asarray(frequency[np.diff(frequency, prepend=-np.inf) > 1e-9 * high])
 
 
 def numbers(last: int, per_number: float, scales: Scales) -> Array:
@@ -131,6 +130,5 @@ def refined(
         nodes = np.append(nodes, middle)[order]
         values = np.concatenate([values, computed], axis=-1)[..., order]
         left, middle, right = left[missed], middle[missed], right[missed]
-        left, right = np.append(left, middle), np.append(middle, right)
-        left, right = np.sort(left), np.sort(right)
+        left, right = np.sort([*left, *middle]), np.sort([*middle, *right])
     return nodes, values
