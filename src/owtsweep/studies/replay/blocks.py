@@ -33,7 +33,8 @@ from owtsweep.sweep.study import FAILED, OK, Block
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
 )  # fmt: skip
-Row = tuple[str, str, str, str, int, float, int, str, str]
+#: What a row says besides the file.
+Row = tuple[str, str, str, int, float, int, str, str]
 #: Most steps of estimates, over all replicates of a scheme, in memory at once; 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
@@ -94,12 +95,9 @@ def _plan_schemes(
 def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
     whole = as_mapping(config)
     names = ("seed", "engine", "sensors", "band", "gaps", "columns", "units")
-    content = {key: whole[key] for key in names}
-    content["replay"] = {
-        key: item for key, item in whole["replay"].items() if key not in NOT_SHARED
-    }
-    content["settling_time"] = config.measures.settling_time
-    return content
+    replay = {key: item for key, item in whole["replay"].items() if key not in NOT_SHARED}
+    content = {key: whole[key] for key in names} | {"replay": replay}
+    return content | {"settling_time": config.measures.settling_time}
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
@@ -111,49 +109,43 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
             record = load_record(config, files[label])
             noise = estimate_noise(config, files[label])  # refuses a force against positions
         except InputError as error:  # one bad file of many
-            rows = [_make_failed_row(label, name, 0, str(error))]
+            rows = [_make_failed_row(name, 0, str(error))]
         else:
             rows = [*_run_block(config, record, block.content, noise)]
             release_memory(record)
-        table = pd.DataFrame(rows, columns=list(COLUMNS))
+        table = pd.DataFrame([(label, *row) for row in rows], columns=list(COLUMNS))
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 
 def _run_block(
     config: ReplayConfig, record: ReplayRecord, content: Mapping[str, Any], noise: Noise
 ) -> Iterator[Row]:
-    label, name = content["file"], content["scheme"]
-    again = content.get("noise") == ESTIMATED
+    name, again = content["scheme"], content.get("noise") == ESTIMATED
     if again:
         config = use_estimates(config, noise)
     sensors = hub.make_sensors(config.sensors)
-    settled = config.measures.find_settled(sensors.step)
     if name == NOISE:
-        rows = [_make_row(label, NOISE, 0, one) for one in noise.measures()]
+        rows = [_make_row(NOISE, 0, one) for one in noise.measures()]
     elif name == RECORD:
         found = [] if again else facts.measure_record(config, record)
-        rows = [_make_row(label, RECORD, 0, one) for one in found]
+        rows = [_make_row(RECORD, 0, one) for one in found]
+        settled = config.measures.find_settled(sensors.step)
         for replicate in range(count_replicates(config, record)):
             fixes = listen(config, sensors, record, replicate).fixes
             errors = measure_baselines(record, fixes, sensors, settled)
-            rows += [_make_row(label, row, replicate, error) for row, error in errors]
+            rows += [_make_row(row, replicate, error) for row, error in errors]
     else:
         scheme = {one.name: one for one in hub.resolve_all(config.schemes, config)}[name]
-        rows = _run_scheme(config, record, label, scheme, sensors, settled)
+        rows = _run_scheme(config, record, scheme, sensors)
     for row in rows:
-        yield (row[0], name_second_run(row[1]), *row[2:]) if again else row
+        yield (name_second_run(row[0]), *row[1:]) if again else row
 
 
 def _run_scheme(
-    config: ReplayConfig,
-    record: ReplayRecord,
-    label: str,
-    scheme: hub.Scheme,
-    sensors: hub.Sensors,
-    settled: int,
+    config: ReplayConfig, record: ReplayRecord, scheme: hub.Scheme, sensors: hub.Sensors
 ) -> list[Row]:
     rows: list[Row] = []
-    count = count_replicates(config, record)
+    count, settled = count_replicates(config, record), config.measures.find_settled(sensors.step)
     edges = measures.cut_into_parts(settled, record.steps)
     at_once = _choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
     for first in range(0, count, at_once):
@@ -167,9 +159,9 @@ def _run_scheme(
                         tally.add(estimated)
                     del piece, estimated  # free memory for the next piece
             for number, tally in zip(numbers, tallies, strict=True):
-                rows += [_make_row(label, scheme.name, number, m) for m in tally.measures()]
+                rows += [_make_row(scheme.name, number, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme may fail; the others continue
-            return [_make_failed_row(label, scheme.name, first, as_text(error))]
+            return [_make_failed_row(scheme.name, first, as_text(error))]
     return rows
 
 
@@ -180,10 +172,10 @@ def _choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest
     return max(1, min(hub.WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 
 
-def _make_row(file: str, scheme: str, replicate: int, measured: measures.Measured) -> Row:
+def _make_row(scheme: str, replicate: int, measured: measures.Measured) -> Row:
     name, window, value, count = measured
-    return (file, scheme, name, window, replicate, value, count, OK, "")
+    return (scheme, name, window, replicate, value, count, OK, "")
 
 
-def _make_failed_row(file: str, scheme: str, replicate: int, reason: str) -> Row:
-    return (file, scheme, "", "", replicate, np.nan, 0, FAILED, reason)
+def _make_failed_row(scheme: str, replicate: int, reason: str) -> Row:
+    return (scheme, "", "", replicate, np.nan, 0, FAILED, reason)
