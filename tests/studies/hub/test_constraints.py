@@ -121,7 +121,7 @@ def window_data() -> tuple[Array, Array]:
 def solution(mhe: Horizon, known: Sensors, fixes: Array, effects: Array) -> Array:
     return window.solve(
         mhe, known, solver="qrqp", since_fix=3, fixes=fixes, have=np.ones(7, dtype=bool),
-        effects=effects, filled=False, x0=np.zeros(6), covariance=None,
+        effects=effects, past=None,
     )  # fmt: skip
 
 

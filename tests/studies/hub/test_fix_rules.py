@@ -134,7 +134,7 @@ def test_the_window_minimises_hubers_cost() -> None:
     effects = 0.01 * rng.standard_normal((6, 6))
     given: dict[str, Any] = {
         "solver": "qrqp", "since_fix": 0, "fixes": fixes, "have": np.ones(7, dtype=bool),
-        "effects": effects, "filled": False, "x0": np.zeros(6), "covariance": None,
+        "effects": effects, "past": None,
     }  # fmt: skip
     found = window.solve(mhe, known, **given)
     least = window.solve(replace(mhe, fix_rule=FixRule()), known, **given)

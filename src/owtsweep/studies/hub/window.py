@@ -30,9 +30,7 @@ def solve(
     fixes: Array,
     have: NDArray[np.bool_],
     effects: Array,
-    filled: bool,
-    x0: Array,
-    covariance: Array | None,
+    past: tuple[Array, Array] | None,
 ) -> Array:
     """Solve a window of the MHE; return the states at the window's nodes, shape (6, nodes).
 
@@ -44,26 +42,22 @@ def solve(
         node.
     fixes, have: position fixes in m, shape (n, 2), and whether each has arrived, shape (n,).
     effects: effects of the inputs on the state from each node to the next, shape (nodes - 1, 6).
-    filled: whether the window's oldest state has a prior from the filter's past. This prior
-        includes the oldest fix, so the fix is not used again.
-    x0, covariance: prior (6,) of the oldest state, and its covariance (3, 3) along one axis; None
-        without.
+    past: the filter's past state (6,) at the oldest node, and its covariance (3, 3) along one axis.
+        They include the oldest fix, so the fix is not used again. None while the window fills.
     Raises ArithmeticError if the solver's answer does not meet the conditions of optimality.
     """
-    fixed = mhe.fixed and filled
+    fixed = mhe.fixed and past is not None
+    x0, covariance = (np.zeros(6), mhe.initial_covariance) if past is None else past
     rows, lower, upper = constraint_rows(mhe.bounds, sensors)
     problem = _problem(
         len(fixes) - 1,
         last_node=since_fix > 0,
-        arrival=covariance is not None and not fixed,
+        arrival=mhe.arrival and not fixed,
         fixed_arrival=fixed,
-        use_first_fix=not filled,
+        use_first_fix=past is None,
         solver=solver,
         constraints=len(rows),
     )
-    prior: Array = np.eye(6)
-    if covariance is not None:
-        prior = np.kron(square_root_information(covariance), _I)
     weights = mhe.weights
     deviation = np.sqrt(np.diagonal(weights.link_covariance))
     scale = np.kron([np.sqrt(weights.fix_variance), deviation[1], deviation[2]], [1.0, 1.0])
@@ -76,7 +70,7 @@ def solve(
         A_f=np.kron(transition_over(since_fix * sensors.step, mhe.lean), _I),
         link=np.kron(square_root_information(weights.link_covariance), _I),
         x0=x0,
-        prior=prior,
+        prior=np.kron(square_root_information(covariance), _I),
         rows=rows,
         lower=lower,
         upper=upper,

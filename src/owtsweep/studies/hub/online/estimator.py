@@ -343,10 +343,7 @@ class OnlineEstimator(RecordEstimator):
         effects = m.effects[:n].reshape(n, 6)
         if since:
             effects = np.vstack([effects, [*m.now["p"][0], *m.now["v"][0], 0.0, 0.0]])
-        filled = self._mhe.uses_filter(number)
-        covariance = None
-        if self._mhe.arrival:
-            covariance = m.covariances[0] if filled else self._mhe.initial_covariance
+        past = (m.states[0].ravel(), m.covariances[0]) if self._mhe.uses_filter(number) else None
         nodes = window.solve(
             self._mhe,
             self._sensors,
@@ -355,9 +352,7 @@ class OnlineEstimator(RecordEstimator):
             fixes=m.z[: n + 1],
             have=m.have[: n + 1],
             effects=effects,
-            filled=filled,
-            x0=m.states[0].ravel() if filled and self._mhe.arrival else np.zeros(6),
-            covariance=covariance,
+            past=past,
         )
         last = nodes[:, -1].reshape(3, 2)
         if not since:

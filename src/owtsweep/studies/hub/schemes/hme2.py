@@ -88,16 +88,14 @@ class MovingHorizonEstimator:
 
         It is in NED, in m, shape (2,), at the delayed time at which the filter runs.
         """
-        filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
-        M = self.sensors.fix_interval
-        x0: Array = np.zeros(6)
-        covariance = self.mhe.arrival_covariance(self.fix_number, self.gains.gains, M)
-        if filled:
-            past = self.states[self.fix_number - self.mhe.length]
-            x0 = past.x[[0, 1, 2, 3, 6, 7]]
-            if not self.on_schedule:
-                covariance = past.P[::2, ::2][np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)]
+        past = None
+        if self.mhe.uses_filter(self.fix_number):
+            oldest = self.fix_number - self.mhe.length
+            state, gains = self.states[oldest], self.gains.gains
+            row = gains.row(oldest * self.sensors.fix_interval)
+            P = gains.filtered[row] if self.on_schedule else state.P[::2, ::2]
+            past = state.x[[0, 1, 2, 3, 6, 7]], P[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)]
         nodes = window.solve(
             self.mhe,
             self.sensors,
@@ -106,9 +104,7 @@ class MovingHorizonEstimator:
             fixes=np.array([np.zeros(2) if fix is None else fix for fix in self.fixes]),
             have=np.array([fix is not None for fix in self.fixes]),
             effects=np.array(effects),
-            filled=filled,
-            x0=x0,
-            covariance=covariance,
+            past=past,
         )
         return np.asarray(nodes[:2, -1])
 
