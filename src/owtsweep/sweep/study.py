@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-    from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition, Value
@@ -357,6 +357,12 @@ class Study(ABC):
         metadata: Name -> text; these texts are stored inside the files of the figures.
         Raises InputError if these runs cannot be compared. In this case nothing is written.
         """
+        from owtsweep.comparing.compare import compare
+
+        return compare(comparison, folder, self.describe_run, metadata=metadata)
+
+    def describe_run(self, run: Candidate) -> Aspects:
+        """Return what `compare` must know of a run: axes, schemes, and what makes its records."""
         raise NotImplementedError
 
     def estimate(self, config: AnyConfig, replicate: int) -> EstimatedRecord:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Plain, checked
@@ -14,7 +13,7 @@ from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.sweep.study import Engine, Study, Tuned, Varied
 
 if TYPE_CHECKING:
-    from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.comparing.comparison import Aspects, Candidate
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.studies.base.declaration import AnyDeclaration
 
@@ -71,17 +70,11 @@ class ContestStudy(Study):
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
         return describe_origin(self.contest(), config)
 
-    def compare(
-        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
-    ) -> Findings:
-        """Compare runs over the same axes, as `Study.compare` says."""
-        from functools import partial
-
-        from owtsweep.comparing.compare import compare
+    def describe_run(self, run: Candidate) -> Aspects:
+        """Describe a run by its axes, as `Study.describe_run` says."""
         from owtsweep.studies.base.tables import describe_run
 
-        describe = partial(describe_run, self.contest())
-        return compare(comparison, folder, describe, metadata=metadata)
+        return describe_run(self.contest(), run)
 
     def list_vary_defaults(self, plain: Plain) -> list[str]:
         """Return the overrides of `vary`: the cell in the middle of the map, and few records."""

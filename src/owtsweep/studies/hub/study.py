@@ -19,7 +19,7 @@ from owtsweep.sweep.study import Engine, Study, Tuned, Varied, add_versions
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.comparing.comparison import Aspects, Candidate
     from owtsweep.results.conditions import Condition, Value
 
 __all__ = ["HubKeys", "HubStudy"]
@@ -142,14 +142,11 @@ class HubStudy(HubKeys):
 
         return estimate_record(find_declaration(config), config, replicate)
 
-    def compare(
-        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
-    ) -> Findings:
-        """Compare runs: how best scheme, boundary of HME1 and HME2, and errors change."""
-        from owtsweep.comparing.compare import compare
+    def describe_run(self, run: Candidate) -> Aspects:
+        """Describe a run for `compare`, with the boundary of HME1 and HME2."""
         from owtsweep.studies.hub.engines import describe_run
 
-        return compare(comparison, folder, describe_run, metadata=metadata)
+        return describe_run(run)
 
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
