@@ -59,10 +59,9 @@ def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Arr
     """
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
-    for multiple in range(1, int(high / scales.rate) + 2):
-        offsets = np.geomspace(0.25 / duration, 0.5 * scales.window, 10)
-        centre = multiple * scales.rate
-        nodes += [centre - offsets, np.array([centre]), centre + offsets]
+    centres = scales.rate * np.arange(1, int(high / scales.rate) + 2)
+    offsets = np.geomspace(0.25 / duration, 0.5 * scales.window, 10)
+    nodes.append(np.add.outer(centres, [*-offsets, 0.0, *offsets]).ravel())
     frequency = np.unique(np.concatenate(nodes))
     frequency = frequency[(frequency >= low) & (frequency <= high)]
     return np.asarray(frequency[np.diff(frequency, prepend=-np.inf) > 1e-9 * high])
@@ -82,8 +81,7 @@ def numbers(last: int, per_number: float, scales: Scales) -> Array:
 
 
 def _evenly(low: float, high: float, spacing: float) -> Array:
-    if high <= low:
-        return np.array([low])
+    high = max(low, high)
     return np.linspace(low, high, int(np.ceil((high - low) / max(spacing, 1e-12))) + 1)
 
 
