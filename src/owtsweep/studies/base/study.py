@@ -128,8 +128,7 @@ class DeclaredStudy(ContestStudy):
 
     def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
-        table = self.scheme_table()
-        return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
+        return {**plain, "schemes": self.scheme_table().stand_in(plain.get("schemes"), described)}
 
     def declaration(self) -> AnyDeclaration:
         return self._find("declaration", "DECLARATION")  # type: ignore[no-any-return]
