@@ -35,6 +35,13 @@ def test_more_records_of_a_cell_add_only_the_missing_blocks() -> None:
     assert told == [(2.0, name, [n, n + 10]) for n in (10, 20) for name in ("LOWPASS", "KF")]
 
 
+def test_a_single_cell_has_small_blocks_for_several_cores() -> None:
+    config: Any = compose([*WORDS, "grid.delay=[0]", "grid.replicates=5"])
+    blocks = STUDY.engine(config).plan(config)
+    assert [b.content["replicates"] for b in blocks[::2]] == [[0, 2], [2, 4], [4, 5]]
+    assert len({block.group for block in blocks}) == 3
+
+
 def test_tables_and_maps_are_made_of_cells_with_unequal_numbers_of_records() -> None:
     config: Any = compose([*WORDS, "grid.replicates=2"])
     engine: Any = STUDY.engine(config)

@@ -27,6 +27,9 @@ from owtsweep.sweep.study import Block
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Most records of a block where there is one cell alone, so that several cores share its records.
+FEW = 2
+
 
 class Planned(NamedTuple):
     """What a plan must know of a scheme.
@@ -104,6 +107,8 @@ def plan_blocks(
     """
     values, named = axes.get_values(config), axes.find_axes(config)
     part = part or PlanPart(axes.list_cells(config), config.grid.first)
+    if len(axes.list_cells(config)) == 1:
+        most = min(most, FEW)
     if config.grid.decides:
         most = 1 << (min(most, FIRST).bit_length() - 1)  # it divides the records of each look
     # made once per scheme: blocks share them, so that a large plan fits into memory
