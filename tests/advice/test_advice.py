@@ -53,6 +53,14 @@ def test_the_answer_is_that_of_a_sweep(advice, tmp_path, monkeypatch):
     assert plain["baseline"] == best["baseline"]
 
 
+@pytest.mark.parametrize("motion", ["peaks=[0.1,0.26]", "pace=[[10,1],[50,1.1]]"])
+def test_a_motion_of_no_steady_spectrum_has_an_answer_and_no_bound(motion, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plain = owtsweep.advise([*CASE, f"motion.{motion}"], quick=True).as_plain()
+    assert plain["scheme"] in ("MKF", "HME1", "NONE", "HOLD", "DELTA")
+    assert plain["bound"] is None
+
+
 def test_the_closer_error_is_the_mean_of_more_records(advice, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     best = advice.as_plain()["scheme"]

@@ -125,10 +125,11 @@ class HubStudy(HubKeys):
         """Return bound (b), of all linear estimators, which may know the motion's spectrum."""
         from owtsweep.studies.hub.bounds import cells
         from owtsweep.studies.hub.conditions import find_world
+        from owtsweep.studies.hub.world import list_departing
 
         criterion, measures = config.measures.criterion, config.measures
         judged = criterion in cells.BOUNDED and measures.window == cells.WINDOW
-        if not judged or not find_world(config).has_spectrum or config.motion.envelope:
+        if not judged or not find_world(config).has_spectrum or list_departing(config):
             return None
         if config.sensors.imu.high_pass is not None:
             return None
