@@ -63,18 +63,18 @@ class Counting(Scheme[Any, Any, Any]):
         raise Unable("it only counts")
 
 
-@pytest.mark.parametrize(("words", "distinct"), [(BUOY, 1), (["study=floater", *BUOY[2:]], 5)])
+@pytest.mark.parametrize(("words", "distinct"), [(BUOY, 1), (["study=floater", *BUOY[2:]], 9)])
 def test_a_block_prepares_a_scheme_once_for_each_distinct_knowledge(
     words: list[str], distinct: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scheme = Counting()
     monkeypatch.setattr(SchemeTable, "resolve", lambda table, entry: scheme)
     config = compose([*words, "schemes=[KF]", "grid.delay=[0]", "grid.bias=[0.1]",
-                      "grid.replicates=5"])  # fmt: skip
+                      "grid.replicates=9"])  # fmt: skip
     engine = get_study("floater").engine(config)
     blocks = engine.plan(config)
     assert len(list(engine.run(config, blocks))) == len(blocks) == 1
-    assert scheme.records == 5
+    assert scheme.records == 9
     assert list(scheme.asked.values()) == [1] * distinct
 
 

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("kernels")
 
 SMALL = [
     "experiment=study", "tuning=paper",
-    "grid.natural_period=[4.0]", "grid.amplitude=[0.5]", "grid.replicates=5",
+    "grid.natural_period=[4.0]", "grid.amplitude=[0.5,1]", "grid.replicates=5",
     "record.duration=150", "sensors.imu.rate=20", "measures.settling_time=10",
 ]  # fmt: skip
 

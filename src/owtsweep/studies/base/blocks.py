@@ -27,7 +27,7 @@ from owtsweep.sweep.study import Block
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Most records of a block where there is one cell alone, so that several cores share its records.
+#: Most records of a block in a first look at a single cell, so that several cores share them.
 FEW = 2
 
 
@@ -107,7 +107,7 @@ def plan_blocks(
     """
     values, named = axes.get_values(config), axes.find_axes(config)
     part = part or PlanPart(axes.list_cells(config), config.grid.first)
-    if len(axes.list_cells(config)) == 1:
+    if config.grid.first <= FIRST and len(axes.list_cells(config)) == 1:
         most = min(most, FEW)
     if config.grid.decides:
         most = 1 << (min(most, FIRST).bit_length() - 1)  # it divides the records of each look
