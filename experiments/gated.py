@@ -12,7 +12,7 @@ After each of `LOOKS` a cell is done if SKFA's error is at most `NEAR` times tha
 upper limits of the ratios; the others get more records, at last RECORDS (default 100). The limits
 are one-sided, of 99 %, so that all looks of a cell together are wrong in 3 % at most.
 
-Writes into FOLDER (default: results/better) gated.csv: world, natural_period (s), amplitude (m),
+Writes into FOLDER (default: results/gated) gated.csv: world, natural_period (s), amplitude (m),
 records, mse (of SKFA, m^2), rival (the one with the least error), ratio (SKFA's mean square error
 over that rival's), high (the largest upper limit of all rivals) and nees (of SKFA, per degree of
 freedom). Further arguments are overrides of all runs.
@@ -88,7 +88,7 @@ def count(table):
 
 def main():
     """Run all worlds; write the table and print the counts."""
-    folder, records, overrides = read_words("results/better", 100)
+    folder, records, overrides = read_words("results/gated", 100)
     table = pd.concat([run_world(name, records, overrides) for name in WORLDS], ignore_index=True)
     write(folder, {"gated": table})
     show(count(table))
