@@ -72,7 +72,10 @@ def _list_content(
 
     So a world that does not depart has the blocks of a run without others.
     """
-    told, given = declaration.list_content(config), declaration.list_content(world.config)
+    told = declaration.list_content(config)
+    if world.config is config:
+        return told
+    given = declaration.list_content(world.config)
     departed = {key: value for key, value in given.items() if told.get(key) != value}
     departed |= world.moved
     return {**told, "truth": departed} if departed else told
@@ -106,8 +109,9 @@ def plan_blocks(
     grouping: the axes that tell groups apart: on these depends what is made once for a group.
     """
     values, named = axes.get_values(config), axes.find_axes(config)
-    part = part or PlanPart(axes.list_cells(config), config.grid.first)
-    if config.grid.first <= FIRST and len(axes.list_cells(config)) == 1:
+    cells = axes.list_cells(config)
+    part = part or PlanPart(cells, config.grid.first)
+    if config.grid.first <= FIRST and len(cells) == 1:
         most = min(most, FEW)
     if config.grid.decides:
         most = 1 << (min(most, FIRST).bit_length() - 1)  # it divides the records of each look
@@ -273,9 +277,13 @@ class Records:
 
 def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int) -> None:
     """Raise `NotFinite`, naming the field, unless estimates have the declared shapes."""
+    try:
+        values = {name: getattr(estimates, name) for name in declaration.estimates}
+    except AttributeError as error:
+        raise NotFinite(f"the estimates lack {error.name}") from None
     for name, field in declaration.estimates.items():
-        value = getattr(estimates, name, None)
-        if value is None and field.optional and hasattr(estimates, name):
+        value = values[name]
+        if value is None and field.optional:
             continue
         if value is None:
             raise NotFinite(f"the estimates lack {name}")
@@ -321,7 +329,9 @@ class DeclaredBlocks:
         for name, world in find_worlds(made, config).items():
             content = _list_content(made, config, world)
             blocks = plan_blocks(made.axes, config, schemes, content, most, grouping, part)
-            planned += [_name_world(block, name) for block in blocks] if config.over else blocks
+            planned += (
+                blocks if config.over is None else [_name_world(block, name) for block in blocks]
+            )
         return planned
 
     def run(
