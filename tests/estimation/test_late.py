@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from dense import Measurement, posterior
@@ -224,10 +226,23 @@ def test_gains_are_those_of_one_attempt_if_it_takes_several(
         np.testing.assert_array_equal(piece, array)
 
 
+def test_threads_that_share_gains_find_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(late, "CHUNK", 256)
+    model, steps = make(64, 10), range(500, 30_000, 500)
+    monkeypatch.setattr(late, "TOLERANCE", 0.0)  # so that they never repeat
+    whole, shared = tune(model, steps[-1]), start(model)
+    with ThreadPoolExecutor(4) as pool:
+        for step, found in zip(steps, pool.map(shared.find, steps), strict=True):
+            np.testing.assert_array_equal(found.fast[:step], whole.fast[:step])
+
+
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)
-def test_the_covariance_at_a_step_is_that_of_the_gains_there(interval: int, delay: int) -> None:
+def test_the_covariance_at_a_step_is_that_of_the_gains_there(
+    interval: int, delay: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(late, "CHUNK", 21)
     gains = start(make(interval, delay))
-    for step in (0, 4 * interval, 10**4 * interval):
+    for step in (0, 4 * interval, 13 * interval, 10**4 * interval):
         rows = gains.find(step + interval)
         at = step if step < len(rows.fast) else len(rows.fast) - interval
         state = WeighedState(np.zeros(5 + gains.model.copies), gains.find_covariance(step), NONE)

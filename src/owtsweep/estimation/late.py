@@ -23,6 +23,7 @@ that are missing or doubtful see `weighing`.
 
 from __future__ import annotations
 
+from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
@@ -34,9 +35,10 @@ from owtsweep.estimation.windowing import schedule_row
 
 #: Largest scaled change of the covariance over an interval that still counts as settled.
 TOLERANCE = 1e-12
-#: Number of steps whose gains are computed at a time: few enough (some ms) for an estimator on
-#: board. Always as many, so that it does not matter how a record is cut.
-CHUNK = 8192
+#: Number of steps whose gains are computed at a time: few enough (1 ms) for an estimator on board.
+CHUNK = 1024
+#: Held while gains are computed, which filters in several threads may share.
+_COMPUTING = Lock()
 
 
 class LateModel(NamedTuple):
@@ -172,6 +174,7 @@ class LateGains:
         self._outputs = np.ascontiguousarray(outputs)
         self._rows = self._make_rows(0)
         self._covariance, self._before = first.copy(), np.full_like(first, np.nan)
+        self._passed = {0: first.copy()}  # covariances before some steps
         #: Whether the last interval's rows repeat for ever; otherwise the covariance still moves.
         self.repeats = False
 
@@ -183,29 +186,35 @@ class LateGains:
         Raises InputError if a variance of an output becomes negative or not finite, because the
         numbers of the model differ too much in magnitude.
         """
-        while len(self._rows.fast) < steps and not self.repeats:
-            filled, fixes = len(self._rows.fast), -(-CHUNK // self.model.interval)
-            more, self.repeats = self._compute(
-                filled, fixes, self._covariance, self._before, TOLERANCE
-            )
-            self._rows = LateRows(*map(np.concatenate, zip(self._rows, more, strict=True)))
-        return self._rows
+        with _COMPUTING:
+            parts, filled = [self._rows], len(self._rows.fast)
+            while filled < steps and not self.repeats:
+                more, self.repeats = self._compute(
+                    filled, CHUNK, self._covariance, self._before, TOLERANCE
+                )
+                parts.append(more)
+                filled += len(more.fast)
+                self._passed[filled] = self._covariance.copy()
+            if len(parts) > 1:
+                self._rows = LateRows(*map(np.concatenate, zip(*parts, strict=True)))
+            return self._rows
 
     def find_covariance(self, step: int) -> Array:
         """Compute the covariance (N, N) of the state before a step, a multiple of the interval."""
-        if self.repeats and step >= len(self._rows.fast):
-            return self._covariance.copy()
-        P, never, done = self.first.copy(), np.full_like(self.first, np.nan), 0
-        while done < step:
-            fixes = min(-(-CHUNK // self.model.interval), (step - done) // self.model.interval)
-            rows, _ = self._compute(done, fixes, P, never, 0.0)
-            done += len(rows.fast)
-        return P
+        with _COMPUTING:
+            if self.repeats and step >= len(self._rows.fast):
+                return self._covariance.copy()
+            passed = max(one for one in self._passed if one <= step)
+            P = self._passed[passed].copy()
+            if passed < step:
+                self._compute(passed, step - passed, P, np.full_like(P, np.nan), 0.0)
+            return P
 
     def _compute(
-        self, first: int, fixes: int, P: Array, before: Array, tolerance: float
+        self, first: int, steps: int, P: Array, before: Array, tolerance: float
     ) -> tuple[LateRows, bool]:
-        """Compute the gains of some intervals; P and `before` are overwritten."""
+        """Compute the gains of all intervals of some steps; P and `before` are overwritten."""
+        fixes = -(-steps // self.model.interval)
         rows = self._make_rows(fixes * self.model.interval, fixes)
         filled, repeats = fill_rows(first, self.model, P, self._outputs, tolerance, before, rows)
         fixes = filled // self.model.interval
@@ -237,12 +246,13 @@ def fill_rows(first, model, P, outputs, tolerance, before, filled):
     first: the step of the first row.
     P: covariance of the state one step before `first`, shape (N, N); overwritten.
     outputs: rows (c, n) of the outputs whose covariances are wanted.
-    before: covariance one interval before P, shape (N, N), NaN if there is none; overwritten.
+    before: covariance one interval before P, shape (N, N), of which only elements (i, j) with
+        j <= i count; NaN if there is none; overwritten.
     filled: the `LateRows` to fill.
     Returns: the number of filled rows, and whether the last `interval` rows repeat.
     """
-    n, N, interval, steps = len(model.Q), len(P), model.interval, len(filled.fast)
-    work, q = np.empty(n), 0
+    interval, steps = model.interval, len(filled.fast)
+    work, q = np.empty(len(model.Q)), 0
     for i in range(steps):
         k = first + i
         predict_covariance(model, P)
@@ -253,67 +263,82 @@ def fill_rows(first, model, P, outputs, tolerance, before, filled):
         write_outputs(P, outputs, work, filled.outputs[i])
         if is_copied(model, k):
             copy_covariance(model, P)
-        if (k + 1) % interval == 0:
-            symmetrise(P)
-            moved = False
-            for a in range(N):
-                for b in range(N):
-                    scale = np.sqrt(P[a, a] * P[b, b])
-                    # so that NaN counts as a difference
-                    if not abs(P[a, b] - before[a, b]) <= tolerance * scale:
-                        moved = True
-                    before[a, b] = P[a, b]
-            if not moved:
-                return i + 1, True
+        if (k + 1) % interval == 0 and is_repeated(P, before, tolerance):
+            return i + 1, True
     return steps, False
 
 
-@njit
+@part
+def is_repeated(P, before, tolerance):
+    """Return whether P (N, N) is `before`, which is overwritten, but for the tolerance."""
+    repeated = True
+    for a in range(len(P)):
+        for b in range(a + 1):
+            # squares save roots; NaN counts as a difference
+            far = (P[a, b] - before[a, b]) ** 2
+            if not far <= tolerance**2 * P[a, a] * P[b, b]:
+                repeated = False
+            before[a, b] = P[a, b]
+    return repeated
+
+
+@part
 def predict_covariance(model, P):
     """Replace the covariance P (N, N) of a step by the predicted covariance of the next step.
 
-    Rounding errors make P slightly asymmetric; call `symmetrise` once in a while.
+    Each block of two rows and two columns is moved on once and written to both of its places, so P
+    stays exactly symmetric.
     """
     A, Q = model.A, model.Q
     n, N = len(Q), len(P)
-    for i in range(0, n, 2):
-        block = A[i // 2]
-        a, b, c, d = block[0, 0], block[0, 1], block[1, 0], block[1, 1]
-        for j in range(N):
-            first, second = P[i, j], P[i + 1, j]
-            P[i, j] = a * first + b * second
-            P[i + 1, j] = c * first + d * second
-    for i in range(N):
-        for block in range(n // 2):
-            j = 2 * block
-            first, second = P[i, j], P[i, j + 1]
-            P[i, j] = A[block, 0, 0] * first + A[block, 0, 1] * second
-            P[i, j + 1] = A[block, 1, 0] * first + A[block, 1, 1] * second
+    for one in range(n // 2):
+        i = 2 * one
+        a, b, c, d = A[one, 0, 0], A[one, 0, 1], A[one, 1, 0], A[one, 1, 1]
+        for two in range(one + 1):
+            j = 2 * two
+            e, f, g, h = A[two, 0, 0], A[two, 0, 1], A[two, 1, 0], A[two, 1, 1]
+            # B = A_i P_ij, then B A_j'
+            b00, b01 = a * P[i, j] + b * P[i + 1, j], a * P[i, j + 1] + b * P[i + 1, j + 1]
+            b10, b11 = c * P[i, j] + d * P[i + 1, j], c * P[i, j + 1] + d * P[i + 1, j + 1]
+            P[i, j] = e * b00 + f * b01 + Q[i, j]
+            P[i, j + 1] = g * b00 + h * b01 + Q[i, j + 1]
+            P[i + 1, j] = e * b10 + f * b11 + Q[i + 1, j]
+            P[i + 1, j + 1] = g * b10 + h * b11 + Q[i + 1, j + 1]
+            P[j, i], P[j, i + 1] = P[i, j], P[i + 1, j]
+            P[j + 1, i], P[j + 1, i + 1] = P[i, j + 1], P[i + 1, j + 1]
+        for k in range(n, N):
+            first, second = P[i, k], P[i + 1, k]
+            P[i, k] = P[k, i] = a * first + b * second
+            P[i + 1, k] = P[k, i + 1] = c * first + d * second
     if model.reds > 0:
         for j in range(N):
             P[n + 1, j] *= model.fade
-        for i in range(N):
-            P[i, n + 1] *= model.fade
+            P[j, n + 1] *= model.fade
         P[n + 1, n + 1] += model.red
-    for i in range(n):
-        for j in range(n):
-            P[i, j] += Q[i, j]
     P[n, n] += model.walk
 
 
-@njit
+@part
 def apply_fast(model, P, gain):
     """Correct the covariance P (N, N) by the fast measurement; write its gain to `gain` (N,)."""
-    n, N, row = len(model.Q), len(P), model.fast
-    for i in range(N):
-        total = P[i, n]
-        for j in range(n):
-            total += P[i, j] * row[j]
-        gain[i] = total
+    n, row = len(model.Q), model.fast
+    multiply(P, row, gain)
+    for i in range(len(P)):
+        gain[i] += P[n, i]
     variance = model.r_fast + gain[n]
     for i in range(n):
         variance += row[i] * gain[i]
     correct_covariance(P, gain, variance)
+
+
+@part
+def multiply(P, row, product):
+    """Write P (N, N) times a row (n,) of the shaping filter's states to `product`, (N,) or (n,)."""
+    for i in range(len(product)):
+        product[i] = 0.0
+    for j in range(0, len(row), 2):  # P is symmetric, and its rows lie side by side
+        for i in range(len(product)):
+            product[i] += row[j] * P[j, i] + row[j + 1] * P[j + 1, i]
 
 
 @njit
@@ -327,7 +352,7 @@ def apply_slow(model, P, gain):
     return variance
 
 
-@njit
+@part
 def find_slow_column(model, P, column):
     """Write P h' (N,) to `column`, where h is the slow measurement's row; return h P h' + r."""
     n, N, row = len(model.Q), len(P), model.slow
@@ -335,11 +360,7 @@ def find_slow_column(model, P, column):
         for i in range(N):
             column[i] = P[i, N - 1]
     else:
-        for i in range(N):
-            total = 0.0
-            for j in range(n):
-                total += P[i, j] * row[j]
-            column[i] = total
+        multiply(P, row, column)
     if model.reds > 0:
         for i in range(N):
             column[i] += P[i, n + 1]
@@ -354,7 +375,7 @@ def find_slow_column(model, P, column):
     return variance
 
 
-@njit
+@part
 def correct_covariance(P, gain, variance):
     """Correct the covariance P (N, N) by a measurement of one number, in place.
 
@@ -365,14 +386,14 @@ def correct_covariance(P, gain, variance):
     for i in range(N):
         gain[i] /= root
     for i in range(N):
-        scale = gain[i]
+        row, scale = P[i], gain[i]
         for j in range(N):
-            P[i, j] -= scale * gain[j]
+            row[j] -= scale * gain[j]
     for i in range(N):
         gain[i] /= root
 
 
-@njit
+@part
 def write_outputs(P, outputs, work, result):
     """Write the covariance of c outputs of a state with the covariance P (N, N) to `result` (c, c).
 
@@ -380,11 +401,7 @@ def write_outputs(P, outputs, work, result):
     """
     count, n = outputs.shape
     for b in range(count):
-        for i in range(n):
-            total = 0.0
-            for j in range(n):
-                total += P[i, j] * outputs[b, j]
-            work[i] = total
+        multiply(P, outputs[b], work)
         for a in range(b + 1):
             total = 0.0
             for i in range(n):
@@ -399,7 +416,7 @@ def is_copied(model, step):
     return model.copies > 0 and (step + model.delay) % model.interval == 0
 
 
-@njit
+@part
 def copy_covariance(model, P):
     """Make the present output the newest copy in the covariance P (N, N); drop the oldest copy."""
     n, N, row = len(model.Q), len(P), model.slow
@@ -410,28 +427,11 @@ def copy_covariance(model, P):
     for i in range(N - 1, new, -1):
         for j in range(N):
             P[j, i] = P[j, i - 1]
-    for j in range(N):
-        if j == new:
-            continue
-        total = 0.0
-        for i in range(n):
-            total += row[i] * P[i, j]
-        P[new, j] = total
-        P[j, new] = total
-    total = 0.0
+    multiply(P, row, P[new])
+    P[:, new] = P[new]
+    P[new, new] = 0.0
     for i in range(n):
-        total += row[i] * P[i, new]
-    P[new, new] = total
-
-
-@njit
-def symmetrise(P):
-    """Replace a covariance P (N, N) by the mean of it and its transpose."""
-    for i in range(len(P)):
-        for j in range(i):
-            mean = 0.5 * (P[i, j] + P[j, i])
-            P[i, j] = mean
-            P[j, i] = mean
+        P[new, new] += row[i] * P[i, new]
 
 
 class LateState(NamedTuple):

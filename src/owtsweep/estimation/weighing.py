@@ -21,7 +21,6 @@ from owtsweep.estimation.late import (
     find_slow_column,
     is_copied,
     predict_covariance,
-    symmetrise,
     write_outputs,
 )
 
@@ -103,8 +102,6 @@ def follow_weighing(first, force, slow, model, outputs, weighing, state, filled)
         if is_copied(model, first + k):
             copy_state(model, x)
             copy_covariance(model, P)
-        if (first + k + 1) % model.interval == 0:
-            symmetrise(P)
 
 
 @njit
