@@ -161,7 +161,7 @@ def correlation(config):
     """Return how far motion's and noise's errors of our EKF correlate in a record: its std."""
     records = make_records(config, PERIOD, range(40))
     chain = resolve("EKF").kernel(Known(records.sensors, config), records.steps)
-    (sums,) = sum_errors([chain], records, 0, consistency=False)
+    (sums,) = sum_errors([chain], records, 0)
     motion, cross, noise = sums.products[1, :2].sum(axis=0)
     return float(np.std(cross / np.sqrt(motion * noise)))
 

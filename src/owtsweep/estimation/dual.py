@@ -18,12 +18,7 @@ from owtsweep.estimation.square_root import Correction, deviation, kalman
 
 
 def make_dual(
-    model: InputStateModel,
-    Q: Array,
-    S: Array,
-    R: Array,
-    P0_x: Array,
-    P0_p: Array,
+    model: InputStateModel, Q: Array, S: Array, R: Array, P0_x: Array, P0_p: Array
 ) -> Filter:
     """Make the dual Kalman filter.
 

@@ -11,6 +11,7 @@ loop.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,18 +53,11 @@ class Observability:
     """What sensors see of a model with n states.
 
     rank: the dimension of what sensors see: the rank of the observability matrix, n if all is seen.
-    eigenvalues: the distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
-    ranks: rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
-    conditions: largest singular value of this matrix over the smallest one that is not zero, shape
-        (eigenvalues,). If large, the eigenvalue's directions are seen, but badly.
     unseen: what is not seen, per eigenvalue.
     """
 
     states: int
     rank: int
-    eigenvalues: Array
-    ranks: Array
-    conditions: Array
     unseen: tuple[Unseen, ...]
 
 
@@ -83,35 +77,23 @@ def find_unobservable(A: Array, G: Array) -> Observability:
     rows = G * size
     norms = np.linalg.norm(rows, axis=1, keepdims=True)
     rows = np.divide(rows, norms, out=np.zeros_like(rows), where=norms > 0.0)
-    values, counts = _distinct(scaled)
-    ranks, conditions, unseen = [], [], []
-    for value, count in zip(values, counts, strict=True):
+    unseen = []
+    for value, count in _distinct(scaled):
         shifted = scaled - (value if value.imag else value.real) * np.eye(n)
-        null, singular = _null_space(np.vstack([shifted, rows]))
-        ranks.append(n - null.shape[1])
-        seen = singular[: n - null.shape[1]]
-        conditions.append(seen[0] / seen[-1] if len(seen) else np.inf)
+        null = _null_space(np.vstack([shifted, rows]))
         if null.shape[1]:
             chain = _follow_chains(shifted, rows, null, count)
             directions = np.linalg.qr(size[:, None] * chain)[0]
-            unseen.append(Unseen(complex(value), null.shape[1], directions))
-    return Observability(
-        states=n,
-        rank=n - sum(found.count for found in unseen),
-        eigenvalues=values,
-        ranks=np.array(ranks),
-        conditions=np.array(conditions),
-        unseen=tuple(unseen),
-    )
+            unseen.append(Unseen(value, null.shape[1], directions))
+    return Observability(n, n - sum(found.count for found in unseen), tuple(unseen))
 
 
-def _distinct(A: Array) -> tuple[Array, list[int]]:
-    """Return the distinct eigenvalues without negative imaginary part, and their multiplicities.
+def _distinct(A: Array) -> Iterator[tuple[complex, int]]:
+    """Yield the distinct eigenvalues without negative imaginary part, and their multiplicities.
 
     Eigenvalues that rounding has split are replaced by their mean, which is far more accurate.
     """
     left = list(np.linalg.eigvals(A).astype(complex))
-    values, counts = [], []
     while left:
         near = SAME * max(1.0, abs(left[0]))
         group = [other for other in left if abs(other - left[0]) <= near]
@@ -120,16 +102,13 @@ def _distinct(A: Array) -> tuple[Array, list[int]]:
         if abs(mean.imag) <= near:
             mean = complex(mean.real)
         if mean.imag >= 0.0:
-            values.append(mean)
-            counts.append(len(group))
-    return np.array(values), counts
+            yield mean, len(group)
 
 
-def _null_space(matrix: Array) -> tuple[Array, Array]:
-    """Return an orthonormal basis (n, directions) of the null space, and the singular values."""
+def _null_space(matrix: Array) -> Array:
+    """Return an orthonormal basis (n, directions) of the null space of a matrix (m, n)."""
     _, singular, vectors = np.linalg.svd(matrix)
-    zero = singular <= TOLERANCE * singular[0]
-    return vectors[zero].conj().T, singular
+    return np.asarray(vectors[singular <= TOLERANCE * singular[0]].conj().T)
 
 
 def _follow_chains(shifted: Array, rows: Array, null: Array, multiplicity: int) -> Array:
@@ -140,7 +119,7 @@ def _follow_chains(shifted: Array, rows: Array, null: Array, multiplicity: int) 
     found = null
     while found.shape[1] < multiplicity:
         outside = shifted - found @ (found.conj().T @ shifted)
-        wider, _ = _null_space(np.vstack([outside, rows]))
+        wider = _null_space(np.vstack([outside, rows]))
         if wider.shape[1] <= found.shape[1]:
             break
         new = wider - found @ (found.conj().T @ wider)

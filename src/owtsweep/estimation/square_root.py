@@ -49,10 +49,7 @@ def kalman(F: Array, H: Array, Q: Array, R: Array, P0: Array) -> Iterator[Correc
     m, N = H.shape
     while not overflows(root):
         root = combine(F @ root, root_Q)
-        both = combine(
-            np.vstack([root_R, np.zeros((N, m))]),
-            np.vstack([H @ root, root]),
-        )
+        both = combine(np.vstack([root_R, np.zeros((N, m))]), np.vstack([H @ root, root]))
         innovation, corrections, filtered = both[:m, :m], both[m:, :m], both[m:, m:]
         K = np.linalg.solve(innovation.T, corrections.T).T
         yield Correction(K, innovation, corrections, root, filtered)

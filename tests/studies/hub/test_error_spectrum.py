@@ -89,7 +89,7 @@ def test_the_integral_over_a_spectrum_is_what_records_show(name: str) -> None:
     records = make_records(config, 4.0, range(8))
     chain, sensors = chain_of(name, config)
     settling = round(config.measures.settling_time / sensors.step)
-    (sums,) = batch.sum_errors([chain], records, settling, consistency=False)
+    (sums,) = batch.sum_errors([chain], records, settling)
     motion = sums.products[1, :4, 0].mean(axis=-1) / sums.steps[1]
     band = (config.band[0], config.band[1])
     errors = error_spectrum(chain, sensors, np.geomspace(*band, 60))
@@ -107,7 +107,7 @@ def test_the_noise_floor_is_what_records_without_motion_show(tuning: str) -> Non
     records = make_records(config, 4.0, range(8))
     for name in SCHEMES:
         chain, sensors = chain_of(name, config)
-        (sums,) = batch.sum_errors([chain], records, 12000, consistency=False)
+        (sums,) = batch.sum_errors([chain], records, 12000)
         per_record = sums.products[1, :4, 2] / sums.steps[1]
         floor = noise_floor(chain, sensors)
         for measure, parts in (("position", per_record[:2]), ("velocity", per_record[2:])):

@@ -43,7 +43,6 @@ def sum_errors(
     amplitude: float | None = None,
     *,
     keep_squared: bool = False,
-    consistency: bool = True,
 ) -> list[Sums]:
     """Run chains on all replicates of some records; sum the squared errors of each, in their order.
 
@@ -54,7 +53,6 @@ def sum_errors(
         is stored as the product noise x noise. None: motion and noise are run separately, and all
         three products of the two errors are summed.
     keep_squared: whether the squared position error of each step is kept; only with an amplitude.
-    consistency: whether NEES is computed; otherwise NEES is zero.
     Raises InputError if fixes may be lost: a chain has the gains for fixes that all arrive.
     """
     require(
@@ -62,47 +60,20 @@ def sum_errors(
         "sensors.gnss.loss: kernels need every fix; run a `sweep`, which then goes step by step, "
         "or set the probability to 0",
     )
-    weights = [weights_of(chain, consistency=consistency) for chain in chains]
-
-    def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
-        feed = Feed(part, first, amplitude)
-        runs = [
-            ChainRun(*pair, feed, settled, keep=keep_squared)
-            for pair in zip(chains, weights, strict=True)
-        ]
-        for span in feed.spans(max(run.lead for run in runs)) if runs else ():
+    eights = []
+    for feed in records.feed(amplitude):
+        runs = [ChainRun(chain, feed, settled, keep=keep_squared) for chain in chains]
+        for span in feed.spans(max(run.lead for run in runs)):
             for run in runs:
                 run.advance(span)
         some = slice(len(feed.indices))
-        return [(run.products[..., some], run.squared[:, some]) for run in runs]
-
-    eights = [
-        run_eight(part, first)
-        for part in records.parts()
-        for first in range(0, len(part.replicates), WIDTH)
-    ]
+        eights.append([(run.products[..., some], run.squared[:, some]) for run in runs])
     return [
         measures.join_sums(
-            parts,
-            settled,
-            records.steps,
-            chain.gains.fresh_before,
-            has_covariance=chain.has_covariance,
+            parts, settled, records.steps, chain.gains.fresh_before, chain.has_covariance
         )
         for chain, parts in zip(chains, zip(*eights, strict=True), strict=True)
     ]
-
-
-def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
-    """Return the weights by which kernels make NEES and NIS from a chain's errors.
-
-    If `consistency` is False, the weights for NEES are zero.
-    """
-    return Weights(
-        precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
-        innovation=chain.innovation_weight,
-        fresh=chain.gains.fresh,
-    )
 
 
 class ChainRun:
@@ -112,16 +83,11 @@ class ChainRun:
     keep: whether the squared position error of each step is kept.
     """
 
-    def __init__(
-        self,
-        chain: Chain,
-        weights: Weights,
-        feed: Feed,
-        settled: int,
-        *,
-        keep: bool = False,
-    ) -> None:
-        self.weights, self.feed, self.settled = weights, feed, settled
+    def __init__(self, chain: Chain, feed: Feed, settled: int, *, keep: bool = False) -> None:
+        self.feed, self.settled = feed, settled
+        self.weights = Weights(
+            chain.precision, 1.0 / chain.gains.innovation_variance, chain.gains.fresh
+        )
         self.steps = feed.records.steps
         self.arrays = arrays_of(chain)
         self.chunk, self.lead = chunk_of(chain)
@@ -217,12 +183,10 @@ def run_batch(
     apart in a cell without an amplitude.
     """
     known = know(config, cell)
-    found: dict[str, Result] = {}
+    found = _run_chains(known, [each for each in schemes if each.batched == "chain"], records)
     for scheme in schemes:
         if scheme.batched == "own":
             found[scheme.name] = _run_own_kernel(scheme, known, records)
-    chained = [scheme for scheme in schemes if scheme.batched == "chain"]
-    found |= _run_chains(known, chained, records)
     return [found[scheme.name] for scheme in schemes]
 
 
@@ -238,21 +202,20 @@ def _run_own_kernel(scheme: Scheme, known: Known, records: Records) -> Result:
 
 
 def _run_chains(known: Known, schemes: Sequence[Scheme], records: Records) -> dict[str, Result]:
-    config, amplitude = known.tuning, known.amplitude
-    told = Known(known.sensors, config)
-    made = dict(
-        zip((each.name for each in schemes), _make_chains(told, schemes, records), strict=True)
-    )
-    failed: dict[str, Result] = {
-        name: chain for name, chain in made.items() if isinstance(chain, Exception)
-    }
-    chains = {name: chain for name, chain in made.items() if isinstance(chain, Chain)}
+    judged = known.tuning.measures
+    failed: dict[str, Result] = {}
+    chains: dict[str, Chain] = {}
+    made = _make_chains(Known(known.sensors, known.tuning), schemes, records)
+    for scheme, chain in zip(schemes, made, strict=True):
+        if isinstance(chain, Chain):
+            chains[scheme.name] = chain
+        else:
+            failed[scheme.name] = chain
     if not chains:
         return failed
-    settled = config.measures.find_settled(records.sensors.step)
-    keep = config.measures.extremes
+    settled, keep = judged.find_settled(records.sensors.step), judged.extremes
     try:
-        sums = sum_errors(list(chains.values()), records, settled, amplitude, keep_squared=keep)
+        sums = sum_errors([*chains.values()], records, settled, known.amplitude, keep_squared=keep)
     except Exception as error:
         if len(chains) == 1:
             return failed | dict.fromkeys(chains, error)

@@ -118,11 +118,6 @@ class Chain:
         """The elements pp, pv, vv of the inverse of `covariance`, shape (rows, 3); zero for NaN."""
         return _precision(self.covariance)
 
-    @cached_property
-    def innovation_weight(self) -> Array:
-        """The inverse of the innovation's variance, 1/m^2, shape (rows,), as rows of the gains."""
-        return np.asarray(1.0 / self.gains.innovation_variance)
-
     def for_runs(self) -> Chain:
         """Return this chain without the filter's covariances, which a run does not need.
 

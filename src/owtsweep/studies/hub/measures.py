@@ -46,7 +46,6 @@ def join_sums(
     settled: int,
     steps: int,
     count_innovations: Callable[[int], int],
-    *,
     has_covariance: bool = True,
 ) -> Sums:
     """Join `products` and `squared` of some records each to the `Sums` of all of them.

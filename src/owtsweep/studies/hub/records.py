@@ -70,6 +70,12 @@ class Records:
         for first in range(0, count, each):
             yield replace(self, replicates=self.replicates[first : first + each])
 
+    def feed(self, amplitude: float | None = None) -> Iterator[Feed]:
+        """Yield the kernels' input, of eight replicates after the other; see `Feed`."""
+        for part in self.parts():
+            for first in range(0, len(part.replicates), WIDTH):
+                yield Feed(part, first, amplitude)
+
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
         """The motions, one per replicate: of an amplitude of 1 m, or as the plant moves."""
@@ -77,10 +83,7 @@ class Records:
 
     def _realise(self, index: int) -> Motion:
         motion = self.source.realise(
-            self.stream(index),
-            steps=self.steps,
-            step=self.sensors.step,
-            history=self.sensors.delay,
+            self.stream(index), steps=self.steps, step=self.sensors.step, history=self.sensors.delay
         )
         leaning = sensing.lean(motion, self.config.sensors.imu.tilt)
         return sensing.couple(leaning, self.sensors)

@@ -242,11 +242,7 @@ class Skf(FixTuning):
         unit="m",
         default=None,
     )
-    red_time: Positive = key(
-        "correlation time of that red noise",
-        unit="s",
-        default=300.0,
-    )
+    red_time: Positive = key("correlation time of that red noise", unit="s", default=300.0)
 
     def find_lean(self, of_sensors: float) -> float:
         """Return g tilt in s^-2: by the key `tilt`, or `of_sensors` if that key is null."""

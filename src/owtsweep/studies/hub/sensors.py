@@ -188,12 +188,7 @@ class ForceNoise:
     unit normals, which are scaled as in `owtsweep.sensing.noise`. Gravity enters as -R' g.
     """
 
-    def __init__(
-        self,
-        config: SensorConfig,
-        sensors: Sensors,
-        stream: Streams,
-    ) -> None:
+    def __init__(self, config: SensorConfig, sensors: Sensors, stream: Streams) -> None:
         imu = config.imu
         self.bias = [
             WienerBias(stream(f"bias_{axis}"), imu.bias_walk, sensors.step, imu.bias_initial)
@@ -212,23 +207,13 @@ class ForceNoise:
         return force
 
 
-def noise(
-    config: SensorConfig,
-    sensors: Sensors,
-    steps: int,
-    stream: Streams,
-) -> Measured:
+def noise(config: SensorConfig, sensors: Sensors, steps: int, stream: Streams) -> Measured:
     """Draw the part of a whole record's measurements that is not due to motion."""
     force = ForceNoise(config, sensors, stream).next(steps)
     return Measured(force, fix_noise(config, sensors, steps, stream))
 
 
-def fix_noise(
-    config: SensorConfig,
-    sensors: Sensors,
-    steps: int,
-    stream: Streams,
-) -> Array:
+def fix_noise(config: SensorConfig, sensors: Sensors, steps: int, stream: Streams) -> Array:
     """Draw what is added to a record's position fixes, m, shape (fixes, 2); NaN for a lost fix.
 
     That is white noise, and, if the configuration has them, red noise and outliers. Each has random
@@ -258,12 +243,7 @@ def fix_noise(
 
 
 def simulate_bias(
-    config: SensorConfig,
-    sensors: Sensors,
-    steps: int,
-    stream: Streams,
-    *,
-    piece: int | None = None,
+    config: SensorConfig, sensors: Sensors, steps: int, stream: Streams, *, piece: int | None = None
 ) -> Iterator[Array]:
     """Yield the IMU's bias R b^b in a record, in NED, in m/s^2, in pieces of the shape (piece, 2).
 

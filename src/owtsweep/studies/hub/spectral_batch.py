@@ -28,11 +28,7 @@ class SpectralKernel(NamedTuple):
     def sum_errors(
         self, records: Records, settled: int, amplitude: float, *, keep_squared: bool = False
     ) -> Sums:
-        parts = [
-            self._run_eight(Feed(part, first, amplitude), settled, keep_squared)
-            for part in records.parts()
-            for first in range(0, len(part.replicates), WIDTH)
-        ]
+        parts = [self._run_eight(feed, settled, keep_squared) for feed in records.feed(amplitude)]
         interval = records.sensors.fix_interval
         return join_sums(parts, settled, records.steps, lambda step: fix_count(step, interval))
 

@@ -9,33 +9,32 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from math import sqrt
-from typing import TypeVar
+from operator import attrgetter
+from typing import NamedTuple, TypeVar
 
-from owtsweep.config import Plain, Section, changed, typed
+from owtsweep.config import Plain, changed, typed, with_values
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.structures import Structure, compute_modes
 from owtsweep.studies.hub.config import TUNED, HubConfig, Imu, MotionConfig, SensorConfig
+from owtsweep.studies.hub.scheme_sections import Tuning
 
 logger = logging.getLogger(__name__)
 
 C = TypeVar("C", bound=HubConfig)
-S = TypeVar("S", bound=Section)
 
 #: The value of a key that follows from the sensors.
 AUTO = "auto"
 
 
-@dataclass(frozen=True)
-class Facts:
-    """The properties of the sensors on which the rules depend.
+class Facts(NamedTuple):
+    """The properties of the sensors on which the rules depend, in the order of `VALID`.
 
     gnss_sigma, imu_sigma: standard deviations of a fix (m) and of a sample (m/s^2), per axis.
     gnss_rate, imu_rate: fixes and samples per second, Hz.
     delay: age of a fix when it arrives, s.
-    bias_walk: intensity of the IMU's bias walk, m/s^2/sqrt(s). Facts are equal whatever it is.
+    bias_walk: intensity of the IMU's bias walk, m/s^2/sqrt(s).
     """
 
     gnss_sigma: float
@@ -43,7 +42,7 @@ class Facts:
     delay: float
     imu_sigma: float
     imu_rate: float
-    bias_walk: float = field(compare=False)
+    bias_walk: float
 
 
 #: The sections that hold a filter.
@@ -78,12 +77,14 @@ def compute_numbers(facts: Facts) -> Plain:
 
     A property beyond the range `VALID` counts as the range's end.
     """
-    near = {key: _clip(key, value) for key, value in _name(facts).items()}
-    gnss = near["sensors.gnss.sigma"] / DEFAULT.gnss_sigma  # each relative to the default
-    rate = near["sensors.gnss.rate"] / DEFAULT.gnss_rate
-    imu = near["sensors.imu.sigma"] / DEFAULT.imu_sigma
-    samples = near["sensors.imu.rate"] / DEFAULT.imu_rate
-    walk = near["sensors.imu.bias_walk"] / 1e-3
+    near = Facts(
+        *(min(max(v, low), high) for v, (low, high) in zip(facts, VALID.values(), strict=True))
+    )
+    gnss = near.gnss_sigma / DEFAULT.gnss_sigma  # each relative to the default
+    rate = near.gnss_rate / DEFAULT.gnss_rate
+    imu = near.imu_sigma / DEFAULT.imu_sigma
+    samples = near.imu_rate / DEFAULT.imu_rate
+    walk = near.bias_walk / 1e-3
     window = round(0.02 * facts.imu_rate)
     # The MHE does best with the shortest window. Its positions already hold the filter's own past,
     # so they get a variance several times that of a fix; less if the bias has to be tracked fast.
@@ -135,12 +136,9 @@ def follow_sensors(config: C, sensors: SensorConfig) -> C:
     if config.tuning != "matched":
         return moved
     before, after = _compute(take_facts(config.sensors)), _compute(take_facts(sensors))
-    sections = {
-        name: _replace(getattr(config, name), before, after, f"{name}.")
-        for name in TUNED
-        if getattr(config, name) is not None
-    }
-    return changed(moved, **sections)
+    tuning = Tuning(**{name: getattr(config, name) for name in TUNED})
+    kept = {key: after[key] for key in before if attrgetter(key)(tuning) == before[key]}
+    return changed(moved, **vars(with_values(tuning, kept)))
 
 
 def _parts(plain: Plain) -> list[Plain]:
@@ -179,8 +177,7 @@ def take_facts(sensors: SensorConfig) -> Facts:
 
 
 def _warn(facts: Facts) -> None:
-    for key, value in _name(facts).items():
-        low, high = VALID[key]
+    for value, (key, (low, high)) in zip(facts, VALID.items(), strict=True):
         if not low <= value <= high:
             logger.warning(
                 "%s: %g lies beyond %g to %g, for which the rules of tuning=matched were made; "
@@ -189,35 +186,10 @@ def _warn(facts: Facts) -> None:
             )  # fmt: skip
 
 
-def _name(facts: Facts) -> dict[str, float]:
-    return {
-        "sensors.gnss.sigma": facts.gnss_sigma,
-        "sensors.gnss.rate": facts.gnss_rate,
-        "sensors.gnss.delay": facts.delay,
-        "sensors.imu.sigma": facts.imu_sigma,
-        "sensors.imu.rate": facts.imu_rate,
-        "sensors.imu.bias_walk": facts.bias_walk,
-    }
-
-
-def _clip(key: str, value: float) -> float:
-    low, high = VALID[key]
-    return min(max(value, low), high)
-
-
 def _compute(facts: Facts) -> Plain:
-    return compute_numbers(facts) | (RECORDED if facts == DEFAULT else {})
-
-
-def _replace(section: S, before: Plain, after: Plain, path: str) -> S:
-    new: Plain = {}
-    for name, value in vars(section).items():
-        key = f"{path}{name}"
-        if isinstance(value, Section):
-            new[name] = _replace(value, before, after, f"{key}.")
-        elif key in before and value == before[key]:
-            new[name] = after[key]
-    return changed(section, **new)
+    """Return the rules' numbers, for the default sensors, whatever their bias walk, `RECORDED`."""
+    default = facts._replace(bias_walk=DEFAULT.bias_walk) == DEFAULT
+    return compute_numbers(facts) | (RECORDED if default else {})
 
 
 def assume_tilt(config: C, tilt: float) -> C:
@@ -225,8 +197,6 @@ def assume_tilt(config: C, tilt: float) -> C:
     filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
     return changed(config, **filters)
 
-
-logger = logging.getLogger(__name__)
 
 #: Largest exponent of an error's growth between two fixes for which there is no warning.
 LARGEST_GROWTH = 3.0

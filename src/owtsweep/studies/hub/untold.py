@@ -29,8 +29,7 @@ SENSORS = {
         f"the IMU leans the way that it moves, by {LEAN} rad/m", {"sensors.imu.tilt": LEAN}
     ),
     "leaning_back": Departure(
-        f"the IMU leans against the way that it moves, by {LEAN} rad/m",
-        {"sensors.imu.tilt": -LEAN},
+        f"the IMU leans against the way that it moves, by {LEAN} rad/m", {"sensors.imu.tilt": -LEAN}
     ),
     "red_fixes": Departure(
         "red noise of the fixes, .1 m with a time constant of 300 s",
