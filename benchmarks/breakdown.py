@@ -61,7 +61,7 @@ def _spans(chains: Sequence[Chain], records: Records, settled: int) -> list[floa
     _ = records.motion  # made before the clock starts
     started = time.thread_time()
     feed = Feed(records)
-    runs = [batch.ChainRun(chain, batch.weights_of(chain), feed, settled) for chain in chains]
+    runs = [batch.ChainRun(chain, feed, settled) for chain in chains]
     spent = [0.0] * (1 + len(runs))
     for span in feed.spans(max(run.lead for run in runs)):
         spent[0] += time.thread_time() - started

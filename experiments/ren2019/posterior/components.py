@@ -27,7 +27,7 @@ from experiments.ren2019.posterior.settings import (
 from owtsweep.arrays import Array
 from owtsweep.config import with_values
 from owtsweep.studies import compose
-from owtsweep.studies.hub.batch import ChainRun, weights_of
+from owtsweep.studies.hub.batch import ChainRun
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
@@ -121,7 +121,7 @@ def sum_nested(
     quantity, product, record. All chains run on one span of the records before the next is made.
     """
     settled = round(SETTLING / feed.records.sensors.step)
-    runs = [ChainRun(each, weights_of(each, consistency=False), feed, settled) for each in chains]
+    runs = [ChainRun(each, feed, settled) for each in chains]
     ends = count_steps(feed, lengths)
     found: list[list[Array]] = [[] for _ in runs]
     for span in feed.spans(max(run.lead for run in runs)):

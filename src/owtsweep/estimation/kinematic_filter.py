@@ -56,29 +56,19 @@ def snap(times: Array) -> Array:
     return np.where(np.abs(times - nearest) < NEAR, nearest, times)
 
 
-def begin(position: float, noise: Noise, velocity: float, bias: float) -> State:
-    """Return the state at a report; `velocity` and `bias` are standard deviations about zero."""
-    return State(position, 0.0, 0.0, noise.position, 0.0, 0.0, velocity**2, 0.0, bias**2)
-
-
-def find_first(record: Record) -> int:
-    """Return the arrival of the first report that shows a time of the record, or -1."""
-    usable = np.all(np.isfinite(record.position), axis=0) & (record.shown >= 0.0)
-    usable &= record.shown <= np.arange(len(usable))
-    return int(np.argmax(usable)) if usable.any() else -1
-
-
 def prepare(record: Record, noises: list[Noise], prior: Array) -> tuple[int, list[State], Found]:
     """Return the first report used, the states there, and arrays with what holds until then.
 
+    That is the arrival of the first report that shows a time of the record; -1 if there is none.
     Until the first usable report, position is that of the first report of all (0 if there is none),
     velocity is 0, and variances are those of the prior: standard deviations of position, velocity
     and bias, shape (columns, 3).
     """
     columns, steps = record.position.shape
-    first = find_first(record)
-    any_report = np.all(np.isfinite(record.position), axis=0)
-    at = record.position[:, np.argmax(any_report)] if any_report.any() else np.zeros(columns)
+    there = np.all(np.isfinite(record.position), axis=0)
+    usable = there & (record.shown >= 0.0) & (record.shown <= np.arange(steps))
+    first = int(np.argmax(usable)) if usable.any() else -1
+    at = record.position[:, np.argmax(there)] if there.any() else np.zeros(columns)
     found = Found(
         np.zeros((columns, steps, 2)),
         np.zeros((columns, steps, 2, 2)),
@@ -87,9 +77,10 @@ def prepare(record: Record, noises: list[Noise], prior: Array) -> tuple[int, lis
     found.estimate[:, :, 0] = at[:, None]
     for i in (0, 1):
         found.covariance[:, :, i, i] = prior[:, i, None] ** 2
+    starts = zip(record.position[:, first].tolist(), noises, prior.tolist(), strict=True)
     states = [
-        begin(float(record.position[c, first]), noises[c], float(prior[c, 1]), float(prior[c, 2]))
-        for c in range(columns)
+        State(p, 0.0, 0.0, noise.position, 0.0, 0.0, velocity**2, 0.0, bias**2)
+        for p, noise, (_, velocity, bias) in starts
     ]
     return first, states, found
 
@@ -112,9 +103,9 @@ def smooth_all(record: Record, noises: list[Noise], prior: Array, lag: int) -> F
 
     With reports older than the lag, this is a filter that predicts by less.
     """
-    first = find_first(record)
+    first, starts, found = prepare(record, noises, prior)
     if first < 0:
-        return prepare(record, noises, prior)[2]
+        return found
     steps = record.position.shape[1]
     there = np.flatnonzero(np.all(np.isfinite(record.position), axis=0))
     there = there[there > first]
@@ -123,7 +114,6 @@ def smooth_all(record: Record, noises: list[Noise], prior: Array, lag: int) -> F
     window = lag - int(np.floor(max(age[there].max(initial=0.0), age[first])))
     if window < 0:
         return filter_all(arrive_earlier(record, lag), noises, prior)
-    _, starts, found = prepare(record, noises, prior)
     order = there[np.argsort(record.shown[there], kind="stable")]
     shown = record.shown[order]
     for c, noise in enumerate(noises):

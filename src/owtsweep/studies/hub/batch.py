@@ -76,6 +76,11 @@ def sum_errors(
     ]
 
 
+def weights_of(chain: Chain) -> Weights:
+    """Return the weights by which kernels make NEES and NIS from a chain's errors."""
+    return Weights(chain.precision, 1.0 / chain.gains.innovation_variance, chain.gains.fresh)
+
+
 class ChainRun:
     """A run of one chain on up to eight replicates, whose records arrive span by span.
 
@@ -85,10 +90,7 @@ class ChainRun:
 
     def __init__(self, chain: Chain, feed: Feed, settled: int, *, keep: bool = False) -> None:
         self.feed, self.settled = feed, settled
-        self.weights = Weights(
-            chain.precision, 1.0 / chain.gains.innovation_variance, chain.gains.fresh
-        )
-        self.steps = feed.records.steps
+        self.weights, self.steps = weights_of(chain), feed.records.steps
         self.arrays = arrays_of(chain)
         self.chunk, self.lead = chunk_of(chain)
         self.memory = new_memory(self.arrays, feed.lanes, self.chunk)

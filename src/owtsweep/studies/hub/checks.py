@@ -15,7 +15,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import find_world, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.listed import list_baselines, list_entries, resolve_all
+from owtsweep.studies.hub.listed import SCHEMES, list_baselines, resolve_all
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK, count_records_per_block
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 
@@ -37,11 +37,10 @@ def check(config: HubConfig) -> None:
     _check_tune(config)
     if config.engine == "expected":
         check_expected(config, resolve_all(config.schemes, config))
-    if config.measures.extremes:
-        require(
-            config.evaluation == "direct",
-            "measures.extremes: largest errors do not superpose; add evaluation=direct",
-        )
+    require(
+        not config.measures.extremes or config.evaluation == "direct",
+        "measures.extremes: largest errors do not superpose; add evaluation=direct",
+    )
     if config.measures.efficiency:
         from owtsweep.studies.hub.bounds.cells import check_high_pass
 
@@ -185,41 +184,40 @@ VALUES, NUMBER = 20, 8
 
 def check_grid(config: HubConfig) -> None:
     """Raise InputError if the grid needs more than `MOST_BLOCKS` blocks or `MOST_BYTES` bytes."""
-    grid, schemes = config.grid, len(list_entries(config))
-    periods, amplitudes = _count_conditions(config)
-    world = find_world(config)
-    key, words = world.section, world.words
-    counted = world.counted.format(periods, amplitudes)
-    records = 1 if config.engine == "expected" else grid.greatest
-    each = amplitudes if config.evaluation == "direct" else 1
+    world, schemes = find_world(config), len(SCHEMES.list_entries(config))
+    periods, amplitudes, each, records = _count(config)
     blocks = schemes * periods * each * -(-records // count_records_per_block(config))
     require(
         config.engine == "expected" or blocks <= MOST_BLOCKS,
-        f"{key}: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
-        f"fewer {words} or replicates",
+        f"{world.section}: a sweep would have {blocks:.3g} blocks of work, more than "
+        f"{MOST_BLOCKS:.0e}; give fewer {world.words} or replicates",
     )
     needed = count_table_bytes(config)
     require(
         needed <= MOST_BYTES,
-        f"{key}: {counted} x {records} replicates need some {needed / 1e9:.3g} GB, more than "
-        f"{MOST_BYTES / 1e9:g} GB; give fewer of them",
+        f"{world.section}: {world.counted.format(periods, amplitudes)} x {records} replicates need "
+        f"some {needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; give fewer of them",
     )
 
 
-def _count_conditions(config: HubConfig) -> tuple[int, int]:
-    """Return the number of combinations of a record's conditions, and the number of amplitudes."""
+def _count(config: HubConfig) -> tuple[int, int, int, int]:
+    """Return numbers: of combinations of a record's conditions, of amplitudes, of runs, of records.
+
+    Runs are those of a record, one at each amplitude unless they superpose.
+    """
     world = find_world(config)
     grid = world.get_grid(config)
     of_record = [len(grid[each.name]) for each in world.conditions if not each.expands]
-    return prod(of_record), prod(len(grid[each.name]) for each in world.conditions if each.expands)
+    amplitudes = prod(len(grid[each.name]) for each in world.conditions if each.expands)
+    runs = amplitudes if config.evaluation == "direct" else 1
+    records = 1 if config.engine == "expected" else config.grid.greatest
+    return prod(of_record), amplitudes, runs, records
 
 
 def count_table_bytes(config: HubConfig) -> int:
     """Return how many bytes the tables of a configuration need while they are made."""
-    grid, schemes = config.grid, len(config.schemes)
-    periods, amplitudes = _count_conditions(config)
-    records = 1 if config.engine == "expected" else grid.greatest
-    each = amplitudes if config.evaluation == "direct" else 1
+    schemes = len(config.schemes)
+    periods, amplitudes, each, records = _count(config)
     # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
     values = NUMBER * VALUES * amplitudes * records
     rows = 3 * NUMBER * VALUES * schemes * periods * records * each
@@ -261,8 +259,7 @@ def check_mhe(config: HubConfig) -> None:
     imu, gnss = config.sensors.imu, config.sensors.gnss
     M = round(imu.rate / gnss.rate)
     steps = mhe.interval * imu.rate
-    small = [d for d in range(1, math.isqrt(M) + 1) if M % d == 0]
-    divisors = [*small, *(M // d for d in small)]
+    divisors = [d for d in range(1, M + 1) if M % d == 0]
     if min(abs(steps - d) for d in divisors) > GRAIN * max(1.0, steps):
         low = max((d for d in divisors if d <= steps), default=1)
         high = min((d for d in divisors if d >= steps), default=M)

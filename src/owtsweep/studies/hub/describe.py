@@ -79,23 +79,22 @@ def describe_draws(config: HubConfig) -> str:
     return f"{config.grid.describe_records()}, seed {config.seed}"
 
 
-def describe_origin(config: HubConfig) -> str:
-    """Return in a line the truth, and the number of records per cell with their seed.
+def describe_origin(config: HubConfig, draws: str | None = None) -> str:
+    """Return in a line the truth, and the number of records per cell with their seed, or `draws`.
 
     A line about the motion comes before it with motion=plant or motion.envelope, and one about the
-    sensors if they have what the paper's have not.
+    sensors if they have what the paper's have not. So lines fit the width of a figure.
     """
-    return _tell(config, describe_draws(config))
+    faults = [f"{name} {value}" for name, value in _list_faults(config.sensors).items()]
+    lines = [motion] if (motion := find_world(config).describe(config)) else []
+    lines += [", ".join(faults)] if faults else []
+    last = f"{_describe_records(config)}; {draws or describe_draws(config)}"
+    return "Truth: " + ";\n".join([*lines, last])
 
 
 def describe_in_a_line(config: HubConfig) -> str:
     """Return in one line the tuning, the truth, and the number of records with their seed."""
     return f"Tuning {config.tuning_name}. {' '.join(describe_origin(config).split())}"
-
-
-def describe_one_record(config: HubConfig) -> str:
-    """Return truth and seed in lines as `describe_origin` does, for a figure with one record."""
-    return _tell(config, f"seed {config.seed}")
 
 
 def list_origin(config: HubConfig) -> dict[str, str]:
@@ -110,14 +109,6 @@ def list_origin(config: HubConfig) -> dict[str, str]:
     if config.engine == "expected":
         return facts | {"records per cell": "infinitely many (expected value)"}
     return facts | {"records per cell": config.grid.count_records(), "seed": str(config.seed)}
-
-
-def _tell(config: HubConfig, draws: str) -> str:
-    """Return the truth in lines that fit the width of a figure; `draws` ends the last one."""
-    faults = [f"{name} {value}" for name, value in _list_faults(config.sensors).items()]
-    lines = [motion] if (motion := find_world(config).describe(config)) else []
-    lines += [", ".join(faults)] if faults else []
-    return "Truth: " + ";\n".join([*lines, f"{_describe_records(config)}; {draws}"])
 
 
 def _describe_records(config: HubConfig) -> str:
@@ -151,11 +142,9 @@ def tell_window(window: str, settling: float | None = None) -> str:
             "Judged: the full record, with its start. Over the settled part alone, as is the "
             "default (measures.window=settled), another may be best."
         )
-    part = (
-        "the settled part of a record"
-        if settling is None
-        else (f"a record without its first {settling:g} s")
-    )
+    part = "the settled part of a record"
+    if settling is not None:
+        part = f"a record without its first {settling:g} s"
     return (
         f"Judged: {part}. Over the full record, with its start (measures.window=full), another may "
         "be best."

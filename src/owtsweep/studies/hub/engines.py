@@ -43,8 +43,8 @@ from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import (
     REGISTERED,
+    SCHEMES,
     list_baselines,
-    list_entries,
     resolve_all,
     scheme_names,
 )
@@ -190,7 +190,7 @@ class RecordsEngine(DeclaredBlocks, _Engine):
         """
         for doubt in self.world.list_doubts(config):
             logger.warning(doubt)
-        schemes = resolve_all(list_entries(config), config)
+        schemes = resolve_all(SCHEMES.list_entries(config), config)
         for scheme in schemes:
             if config.engine == "batch" and scheme.unbatched:
                 logger.warning(

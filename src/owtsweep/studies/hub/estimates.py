@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from owtsweep.arrays import Array, aligned
+from owtsweep.arrays import Array, Rows, aligned
 from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Memory, new_memory
+from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, new_memory
 
 #: Number of lanes that are run together: as in a direct run of the batch engine, whose compiled
 #: kernels then serve here too.
@@ -47,19 +47,15 @@ def chunks(
     are the chunk's first step, its number of steps n, and the estimates, of which the first n rows
     are valid. The next chunk overwrites them.
     """
-    from owtsweep.studies.hub.kernels.chain import estimate, leave
-
-    width, window, arrays = force.shape[1], chain.filter.window, arrays_of(chain)
+    width, window = force.shape[1], chain.filter.window
     flat = Estimates(*(np.zeros((chunk_of(chain)[0], width)) for _ in Estimates._fields))
-    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        estimate(k0, n, fed, arrays, memory, False)
-        rows, own = memory.steps, slice(lanes.stop - lanes.start)
+    for k0, n, lanes, rows in _one_by_one(chain, force, fixes, of_filter=False):
+        own = slice(lanes.stop - lanes.start)
         flat.position[:n, lanes] = rows["p"][1 : 1 + n, own]
         flat.velocity[:n, lanes] = rows["v"][1 : 1 + n, own]
         applied = chain.gains.applied[chain.gains.row(np.arange(k0, k0 + n))]
         innovation = rows["s"][1 + window : 1 + window + n, own]
         flat.innovation[:n, lanes] = np.where(applied[:, None], innovation, np.nan)
-        leave(n, window, rows)
         if lanes.stop == width:
             yield k0, n, flat
 
@@ -87,36 +83,36 @@ def state_chunks(
     Yielded are the number of the chunk's first row, its number of rows n, and the states, shape
     (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites them.
     """
-    from owtsweep.studies.hub.kernels.chain import estimate, leave
-
-    width, arrays = force.shape[1], arrays_of(chain)
+    width = force.shape[1]
     flat = np.empty((chunk_of(chain)[0], 4, width))
-    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        estimate(k0, n, fed, arrays, memory, True)
+    for k0, n, lanes, rows in _one_by_one(chain, force, fixes, of_filter=True):
         for state, field in enumerate("pvab"):
-            rows = memory.steps[field][1 : 1 + n]
-            flat[:n, state, lanes] = rows[:, : lanes.stop - lanes.start]
-        leave(n, chain.filter.window, memory.steps)
+            flat[:n, state, lanes] = rows[field][1 : 1 + n, : lanes.stop - lanes.start]
         if lanes.stop == width:
             yield k0, n, flat
 
 
 def _one_by_one(
-    chain: Chain, force: Array | OnePassSeries, fixes: Array
-) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
-    """Cut series into pieces that kernels process at once: a chunk of steps, and some lanes.
+    chain: Chain, force: Array | OnePassSeries, fixes: Array, *, of_filter: bool
+) -> Iterator[tuple[int, int, slice, Rows]]:
+    """Run a chain on pieces that kernels process at once: a chunk of steps, and some lanes.
 
-    Yield first step, number of steps, indices of the lanes, inputs and memory. The pieces of one
-    chunk follow each other.
+    Yield first step, number of steps, indices of the lanes, and the rows of the chain's memory,
+    which hold estimates, or states of the filter. The pieces of one chunk follow each other.
     """
+    from owtsweep.studies.hub.kernels.chain import estimate, leave
+
     (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
-    positions = _in_groups(fixes, 0, len(fixes))
-    memories = [new_memory(arrays_of(chain), LANES, chunk) for _ in positions]
+    positions, arrays = _in_groups(fixes, 0, len(fixes)), arrays_of(chain)
+    memories = [new_memory(arrays, LANES, chunk) for _ in positions]
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
             lanes = slice(g * LANES, min((g + 1) * LANES, width))
-            yield k0, n, lanes, Fed(rows, k0 - lead, positions[g]), memories[g]
+            fed, memory = Fed(rows, k0 - lead, positions[g]), memories[g]
+            estimate(k0, n, fed, arrays, memory, of_filter)
+            yield k0, n, lanes, memory.steps
+            leave(n, chain.filter.window, memory.steps)
 
 
 def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:

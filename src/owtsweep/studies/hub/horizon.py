@@ -64,14 +64,13 @@ class Horizon:
         settled = -(-gains.rows // M) if self.arrival else 0
         count = self.length + settled + 1
         maps = np.zeros((count, 3, 4 * self.length + 4))
-        filling = range(self.first, self.length)  # there is a prior, or no arrival term
-        full = range(self.length, count)
-        for fix in filling:
+        for fix in range(self.first, self.length):  # there is a prior, or no arrival term
             covariance = self.arrival_covariance(fix, gains, M)
             solution = window_map(self.weights, fix, arrival_covariance=covariance)
             maps[fix, :, : solution.shape[1]] = solution
         covariances = (
-            None if self.fixed else self.arrival_covariance(fix, gains, M) for fix in full
+            None if self.fixed else self.arrival_covariance(fix, gains, M)
+            for fix in range(self.length, count)
         )
         solutions = window_maps(
             self.weights,
@@ -80,7 +79,7 @@ class Horizon:
             fixed_arrival=self.fixed,
             use_first_fix=not self.arrival,
         )
-        for fix, solution in zip(full, solutions, strict=True):
+        for fix, solution in enumerate(solutions, self.length):
             maps[fix] = solution
         return HorizonArrays(
             active=True,

@@ -9,8 +9,6 @@ ordinates shows that it must.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from owtsweep.arrays import Array
@@ -68,7 +66,7 @@ class LeanTracker:
                 self.chosen += nearest
         return self.chosen
 
-    def _compare(self, force: Array, fixes: Array, time: float) -> _Found | None:
+    def _compare(self, force: Array, fixes: Array, time: float) -> tuple[float, float] | None:
         """Return the lean, s^-2, and its standard deviation; None if the motion is too small."""
         counts = [round(time / step) for step in self._steps]
         frequency = np.fft.rfftfreq(counts[0], self._steps[0])
@@ -90,9 +88,4 @@ class LeanTracker:
         lean = float(np.sum((np.conj(F) * missing).real)) / common
         rest = np.abs(missing - lean * X) ** 2
         variance = HANN * np.sum(rest * np.abs(F) ** 2) / (2.0 * common**2)
-        return _Found(lean, float(np.sqrt(variance)))
-
-
-class _Found(NamedTuple):
-    lean: float
-    sigma: float
+        return lean, float(np.sqrt(variance))

@@ -21,7 +21,7 @@ from owtsweep.studies.base.schemes import (
     list_names,
 )
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known, Scheme
+from owtsweep.studies.hub.contract import Scheme
 
 #: The paper's schemes. EKF and MKF can coincide: a dashed line over a solid one shows both.
 REGISTERED = {
@@ -107,10 +107,6 @@ def describe() -> dict[str, str]:
     }
 
 
-def list_entries(config: HubConfig) -> list[Entry]:
-    return [*config.schemes, *list_baselines(config)]
-
-
 def list_baselines(config: HubConfig) -> list[str]:
     """Return the names of the baselines that the key `schemes` does not name too."""
     return [name for name in config.baselines if name not in config.schemes]
@@ -126,21 +122,17 @@ class StoredHubScheme(StoredScheme, Scheme):
         self.linear, self.batched = described["linear"], described["batched"]
         self.check_declared()
 
-    def start(self, known: Known) -> NoReturn:
+    def start(self, *_: object, **__: object) -> NoReturn:
         self.refuse()
 
-    def kernel(self, known: Known, steps: int | None = None) -> NoReturn:
-        self.refuse()
-
-    def own_kernel(self, known: Known, steps: int) -> NoReturn:
-        self.refuse()
+    kernel = own_kernel = start
 
 
 class HubTable(SchemeTable):
     """The hub's schemes and baselines; a scheme may have variants, for which a tuning asks."""
 
     def list_entries(self, config: HubConfig) -> list[Entry]:
-        return list_entries(config)
+        return [*config.schemes, *list_baselines(config)]
 
     def choose(self, config: HubConfig) -> list[AnyScheme]:
         return [*resolve_all(self.list_entries(config), config)]

@@ -95,13 +95,10 @@ def _energies(chain: Chain, sensors: Sensors, cycles: int) -> dict[tuple[str, st
     force[start : start + cycle, :cycle] = np.eye(cycle)
     fixes[start // M : start // M + fixes_in_cycle, cycle:] = np.eye(fixes_in_cycle)
 
-    answers = np.empty((2, steps, force.shape[1]))
-    for k0, n, memory in estimates.chunks(chain, force, fixes):
-        answers[0, k0 : k0 + n] = memory.position[:n]
-        answers[1, k0 : k0 + n] = memory.velocity[:n]
+    position, velocity, _ = estimates.trajectories(chain, force, fixes)
     result = {}
-    for out, answer in zip(("position", "velocity"), answers[:, start:], strict=True):
-        shaped = answer.reshape(cycles, cycle, -1)
+    for out, answer in (("position", position), ("velocity", velocity)):
+        shaped = answer[start:].reshape(cycles, cycle, -1)
         force_response = shaped[:, :, :cycle]
         result["imu", out] = _per_cycle(force_response)
         result["gnss", out] = _per_cycle(shaped[:, :, cycle:])

@@ -47,12 +47,9 @@ class PlantWorld(World):
     seconds_per_step = 5e-7
 
     def get_grid(self, config: HubConfig) -> Grid:
-        motion = config.motion
         return {
-            "hs": motion.hs or [],
-            "tp": motion.tp or [],
-            "blades": motion.blades or [],
-            "friction_angle": [LAYERS] if motion.friction_angle is None else motion.friction_angle,
+            **super().get_grid(config),
+            "friction_angle": config.motion.friction_angle or [LAYERS],
         }
 
     def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
@@ -77,9 +74,6 @@ class PlantWorld(World):
 
     def list_content(self, config: HubConfig) -> Plain:
         return list_plant(config)
-
-    def list_pairing(self, config: HubConfig) -> Plain:
-        return self.list_content(config)
 
     def describe(self, config: HubConfig) -> str:
         structure, motion = find_structure(config), config.motion

@@ -1,6 +1,7 @@
 """The names of the hub study that other studies may use.
 
-Each name is imported at first use; so importing `Sensors`, for example, loads no kernel.
+Names of modules that load kernels or tables are imported at first use; so importing `Sensors`, for
+example, is quick.
 """
 
 from __future__ import annotations
@@ -8,14 +9,19 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub.study import ROOMS
+from owtsweep.studies.hub.conditions import JUDGED, find_world
+from owtsweep.studies.hub.config import Grid, HubConfig
+from owtsweep.studies.hub.contract import Known, Scheme
+from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
+from owtsweep.studies.hub.sensors import ForceNoise, Sensors, fix_count, fix_noise, simulate_bias
+from owtsweep.studies.hub.sensors import sensors as make_sensors
+from owtsweep.studies.hub.study import ROOMS, HubKeys
+from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
-    from owtsweep.studies.hub.conditions import JUDGED, find_world
-    from owtsweep.studies.hub.config import Grid, HubConfig
-    from owtsweep.studies.hub.contract import Known, Scheme
     from owtsweep.studies.hub.describe import tell_window
     from owtsweep.studies.hub.error_spectrum import (
         ErrorSpectrum,
@@ -24,20 +30,8 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.kernels.layout import WIDTH
-    from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.schemes.baselines import DELTA, HOLD, NONE, Baseline
-    from owtsweep.studies.hub.sensors import (
-        ForceNoise,
-        Sensors,
-        fix_count,
-        fix_noise,
-        simulate_bias,
-    )
-    from owtsweep.studies.hub.sensors import sensors as make_sensors
-    from owtsweep.studies.hub.study import HubKeys
-    from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
 
 __all__ = [
     "BASELINES", "DELTA", "HOLD", "INSTEAD", "JUDGED", "NONE", "ROOMS", "SCHEMES", "WIDTH",
@@ -48,31 +42,20 @@ __all__ = [
     "resolve", "resolve_all", "simulate_bias", "state_chunks", "tell_window", "trajectories",
 ]  # fmt: skip
 
-#: Module -> names that it provides.
+#: Module -> names that it provides at first use.
 _HOMES = {
     "batch": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
-    "conditions": ["JUDGED", "find_world"],
-    "config": ["Grid", "HubConfig"],
-    "contract": ["Known", "Scheme"],
+    "describe": ["tell_window"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
-    "kernels.layout": ["WIDTH"],
-    "listed": ["BASELINES", "INSTEAD", "SCHEMES", "resolve", "resolve_all"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "schemes.baselines": ["DELTA", "HOLD", "NONE", "Baseline"],
-    "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
-    "study": ["HubKeys"],
-    "tuning_rules": ["assume_tilt", "follow_sensors"],
-    "describe": ["tell_window"],
 }
-#: Name here -> name in its module, where they differ.
-_OTHER_NAMES = {"make_sensors": "sensors"}
 
 
 def __getattr__(name: str) -> Any:
     for home, names in _HOMES.items():
         if name in names:
-            module = import_module(f"owtsweep.studies.hub.{home}")
-            return getattr(module, _OTHER_NAMES.get(name, name))
+            return getattr(import_module(f"owtsweep.studies.hub.{home}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 from owtsweep.config import Finite, NotNegative, Positive, Section, key
@@ -145,12 +146,11 @@ class Mhe(Section):
     )
 
     @property
-    def bounds(self) -> tuple[float, float, float]:
+    def bounds(self) -> list[float]:
         """The largest magnitudes of position (m), velocity (m/s), bias (m/s^2); else infinite."""
-        limits = self.constraints or Constraints()
-        values = (limits.position, limits.velocity, limits.bias)
-        p, v, b = (float("inf") if value is None else value for value in values)
-        return p, v, b
+        return [
+            math.inf if limit is None else limit for _, limit in self.constraints or Constraints()
+        ]
 
 
 class Predictor(Section):

@@ -61,10 +61,8 @@ def stretch_sea(config: HubConfig, period: float) -> StretchedSource:
 
     `period` is in s. Its size is set as that of a spectrum's motion.
     """
-    values = {name: getattr(config.motion, name) or [0] for name in ONE_SEA}
-    conditions = {name: listed[0] for name, listed in values.items()}
-    if config.motion.friction_angle is None:
-        conditions["friction_angle"] = LAYERS
+    usual: Mapping[str, list[Value]] = {"blades": [0], "friction_angle": [LAYERS]}
+    conditions = {name: (getattr(config.motion, name) or usual[name])[0] for name in ONE_SEA}
     plant = make_plant(config, conditions)
     stretch = period * float(plant.vibration.frequency[0])
     return StretchedSource(plant, stretch, config.normalise)

@@ -129,9 +129,8 @@ class HubStudy(HubKeys):
 
         criterion, measures = config.measures.criterion, config.measures
         judged = criterion in cells.BOUNDED and measures.window == cells.WINDOW
-        if not judged or not find_world(config).has_spectrum or list_departing(config):
-            return None
-        if config.sensors.imu.high_pass is not None:
+        steady = find_world(config).has_spectrum and not list_departing(config)
+        if not (judged and steady and config.sensors.imu.high_pass is None):
             return None
         (period,), (amplitude,) = config.grid.natural_period, config.grid.amplitude
         return cells.find_bounds(config, period, amplitude)[criterion]

@@ -34,18 +34,16 @@ from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
 
 def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
     """Return the facts that hold for each configuration: tuning, sensors, truth."""
-    listed = [_list_facts(config) for config in configs]
-    return tuple(fact for fact in listed[0] if all(fact in facts for facts in listed))
-
-
-def _list_facts(config: HubConfig) -> list[str]:
-    sensors = [f"{name} {value}" for name, value in list_sensors(config.sensors).items()]
-    return [
-        f"tuning {config.tuning_name}",
-        *sensors,
-        f"mean over all records of {config.record.duration:g} s, without the first "
-        f"{config.measures.settling_time:g} s",
+    listed = [
+        [
+            f"tuning {config.tuning_name}",
+            *(f"{name} {value}" for name, value in list_sensors(config.sensors).items()),
+            f"mean over all records of {config.record.duration:g} s, without the first "
+            f"{config.measures.settling_time:g} s",
+        ]
+        for config in configs
     ]
+    return tuple(fact for fact in listed[0] if all(fact in facts for facts in listed))
 
 
 BOUND = (
@@ -99,20 +97,17 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     schemes, baselines, measures = scheme_names(one), list_baselines(one), criteria(one)
     amplitudes = np.array(one.grid.amplitude, dtype=float)
     periods = sorted(one.grid.natural_period)
-    errors: dict[str, list[Array]] = {measure: [] for measure in measures}
-    bounds: dict[str, list[float]] = {measure: [] for measure in measures}
-    names = [*schemes, *baselines]
+    names, tables, bounds = [*schemes, *baselines], [], []
     for number, (value, config) in enumerate(configs.items(), 1):
         place = f"{along.label}={along.show(value)}"
         tell_step(f"value {number} of {len(configs)}: {place}")
-        table = _compute_rows(config, names, periods, place)
-        bound = kalman_bounds(config)
-        for measure in measures:
-            at = expected(table, names, measure, WINDOW).at(amplitudes)
-            errors[measure].append(at.reshape(len(names), -1))
-            bounds[measure].append(bound[measure])
-    mse = {measure: np.stack(parts, axis=1) for measure, parts in errors.items()}
-    bound_mse = {measure: np.array(parts) for measure, parts in bounds.items()}
+        tables.append(_compute_rows(config, names, periods, place))
+        bounds.append(kalman_bounds(config))
+    mse, bound_mse = {}, {}
+    for measure in measures:
+        errors = [expected(table, names, measure, WINDOW).at(amplitudes) for table in tables]
+        mse[measure] = np.stack(errors, axis=1).reshape(len(names), len(tables), -1)
+        bound_mse[measure] = np.array([bound[measure] for bound in bounds])
     judged = mse[one.measures.criterion]
     notes = list_notes(along, configs, schemes, judged[: len(schemes)])
     motions = list(product(periods, amplitudes.tolist()))

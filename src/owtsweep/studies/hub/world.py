@@ -47,13 +47,14 @@ class World(ABC):
     bytes_per_step: ClassVar[int]
     seconds_per_step: ClassVar[float]
 
-    @abstractmethod
     def get_grid(self, config: HubConfig) -> Grid:
         """Return name of a condition -> list of the values that the configuration gives it."""
+        section = getattr(config, self.section)
+        return {each.name: getattr(section, each.name) or [] for each in self.conditions}
 
-    @abstractmethod
     def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
         """Return the conditions, with the two first that a map has as axes."""
+        return self.conditions
 
     @abstractmethod
     def check(self, config: HubConfig) -> None:
@@ -63,9 +64,9 @@ class World(ABC):
     def list_content(self, config: HubConfig) -> Plain:
         """Return what a block's numbers depend on because of the world, besides the conditions."""
 
-    @abstractmethod
     def list_pairing(self, config: HubConfig) -> Plain:
         """Return what two runs must share so that their records can be paired."""
+        return self.list_content(config)
 
     @abstractmethod
     def describe(self, config: HubConfig) -> str:
@@ -125,12 +126,6 @@ class SpectrumWorld(World):
     #: Position, velocity and acceleration, eight bytes each.
     bytes_per_step = 24
     seconds_per_step = 0.0
-
-    def get_grid(self, config: HubConfig) -> Grid:
-        return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
-
-    def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
-        return self.conditions
 
     def check(self, config: HubConfig) -> None:
         _refuse_keys_of_plant(config)
@@ -206,11 +201,9 @@ def _refuse_keys_of_plant(config: HubConfig) -> None:
     if config.structure is not None:
         check_one_sea(config)
         return
-    of_spectrum = ("envelope", "peaks", "pace")
-    of_plant = [name for name in MotionConfig.model_fields if name not in of_spectrum]
-    for name in of_plant:
+    for name, usual in MotionConfig():
         require(
-            getattr(config.motion, name) == getattr(MotionConfig(), name),
+            name in ("envelope", "peaks", "pace") or getattr(config.motion, name) == usual,
             f"motion.{name}: motion=spectrum has neither waves nor structure; add motion=plant",
         )
 

@@ -15,7 +15,7 @@ from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
-from owtsweep.studies.hub.listed import SCHEMES, list_entries, resolve
+from owtsweep.studies.hub.listed import SCHEMES, resolve
 from owtsweep.studies.hub.peak import peak_factors
 
 
@@ -97,7 +97,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     steps = round(config.record.duration / sensors.step)
     settled = config.measures.find_settled(sensors.step)
     band = (config.band[0], config.band[1])
-    entry = {resolve(entry).name: entry for entry in list_entries(config)}[name]
+    entry = {resolve(entry).name: entry for entry in SCHEMES.list_entries(config)}[name]
     scheme = resolve(entry)
     what = {
         "what": "curves",

@@ -21,7 +21,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import list_content
 from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curves_of, motion_of
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
-from owtsweep.studies.hub.listed import SCHEMES, list_entries, resolve_all
+from owtsweep.studies.hub.listed import SCHEMES, resolve_all
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
 from owtsweep.sweep.study import Block
 
@@ -35,7 +35,7 @@ def plan(config: HubConfig) -> list[Block]:
         del shared["seed"]  # there is no record, so nothing is random
     periods = sorted(float(period) for period in config.grid.natural_period)
     blocks = []
-    entries = list_entries(config)
+    entries = SCHEMES.list_entries(config)
     for entry, scheme in zip(entries, resolve_all(entries, config), strict=True):
         content = {
             **shared,

@@ -15,7 +15,6 @@ from owtsweep.results.status import FAILED
 from owtsweep.studies.hub.conditions import JUDGED, find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
-    describe_one_record,
     describe_origin,
     find_alike,
     find_winners,
@@ -78,7 +77,9 @@ def drawings(
     found |= regret_map.list_maps(tables, names, axes, config.tuning_name, records)
     return {
         **save_each(found, describe_origin(config), metadata),
-        **save_each(_illustrations(config, same), describe_one_record(config), metadata),
+        **save_each(
+            _illustrations(config, same), describe_origin(config, f"seed {config.seed}"), metadata
+        ),
     }
 
 
