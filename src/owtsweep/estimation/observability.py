@@ -53,11 +53,15 @@ class Observability:
     """What sensors see of a model with n states.
 
     rank: the dimension of what sensors see: the rank of the observability matrix, n if all is seen.
+    conditions: largest singular value of [A - lambda I; G] over the smallest one that is not zero,
+        for each distinct eigenvalue of A (of complex pairs one), shape (eigenvalues,). If large,
+        the eigenvalue's directions are seen, but badly.
     unseen: what is not seen, per eigenvalue.
     """
 
     states: int
     rank: int
+    conditions: Array
     unseen: tuple[Unseen, ...]
 
 
@@ -77,15 +81,18 @@ def find_unobservable(A: Array, G: Array) -> Observability:
     rows = G * size
     norms = np.linalg.norm(rows, axis=1, keepdims=True)
     rows = np.divide(rows, norms, out=np.zeros_like(rows), where=norms > 0.0)
-    unseen = []
+    conditions, unseen = [], []
     for value, count in _distinct(scaled):
         shifted = scaled - (value if value.imag else value.real) * np.eye(n)
-        null = _null_space(np.vstack([shifted, rows]))
+        null, singular = _null_space(np.vstack([shifted, rows]))
+        seen = singular[: n - null.shape[1]]
+        conditions.append(seen[0] / seen[-1] if len(seen) else np.inf)
         if null.shape[1]:
             chain = _follow_chains(shifted, rows, null, count)
             directions = np.linalg.qr(size[:, None] * chain)[0]
             unseen.append(Unseen(value, null.shape[1], directions))
-    return Observability(n, n - sum(found.count for found in unseen), tuple(unseen))
+    rank = n - sum(found.count for found in unseen)
+    return Observability(n, rank, np.array(conditions), tuple(unseen))
 
 
 def _distinct(A: Array) -> Iterator[tuple[complex, int]]:
@@ -105,10 +112,10 @@ def _distinct(A: Array) -> Iterator[tuple[complex, int]]:
             yield mean, len(group)
 
 
-def _null_space(matrix: Array) -> Array:
-    """Return an orthonormal basis (n, directions) of the null space of a matrix (m, n)."""
+def _null_space(matrix: Array) -> tuple[Array, Array]:
+    """Return an orthonormal basis (n, directions) of the null space, and the singular values."""
     _, singular, vectors = np.linalg.svd(matrix)
-    return np.asarray(vectors[singular <= TOLERANCE * singular[0]].conj().T)
+    return vectors[singular <= TOLERANCE * singular[0]].conj().T, singular
 
 
 def _follow_chains(shifted: Array, rows: Array, null: Array, multiplicity: int) -> Array:
@@ -119,7 +126,7 @@ def _follow_chains(shifted: Array, rows: Array, null: Array, multiplicity: int) 
     found = null
     while found.shape[1] < multiplicity:
         outside = shifted - found @ (found.conj().T @ shifted)
-        wider = _null_space(np.vstack([outside, rows]))
+        wider, _ = _null_space(np.vstack([outside, rows]))
         if wider.shape[1] <= found.shape[1]:
             break
         new = wider - found @ (found.conj().T @ wider)
