@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds
 from owtsweep.estimation.casadi_window import CasadiWindow
-from owtsweep.estimation.mhe import WindowWeights, square_root_information, window_map
+from owtsweep.estimation.mhe import WindowWeights, square_root_information, window_maps
 from owtsweep.studies import compose
 from owtsweep.studies.hub.horizon import horizon
 from owtsweep.studies.hub.sensors import sensors
@@ -112,11 +112,8 @@ def _all(solve: Solver, windows: list[Window]) -> None:
 
 def closed_form(window: Window) -> Solver:
     """Make owtsweep's solver, which multiplies the window's data by a fixed matrix."""
-    map_ = window_map(
-        window.weights,
-        window.intervals,
-        arrival_covariance=window.covariance,
-        use_first_fix=False,
+    (map_,) = window_maps(
+        window.weights, window.intervals, [window.covariance], use_first_fix=False
     )
 
     def solve(w: Window) -> np.ndarray:

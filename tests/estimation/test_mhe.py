@@ -7,12 +7,7 @@ import pytest
 from dense import Array, whitener
 
 from owtsweep.estimation.casadi_window import CasadiWindow
-from owtsweep.estimation.mhe import (
-    WindowWeights,
-    square_root_information,
-    window_map,
-    window_maps,
-)
+from owtsweep.estimation.mhe import WindowWeights, square_root_information, window_maps
 
 T = 1.0
 Q_F, Q_B = 2.25e-4, 1e-6
@@ -70,19 +65,15 @@ def test_map_is_the_least_squares_solution(
         half = whitener(ARRIVAL)
         add({0: half}, half @ x0)
     solution = np.linalg.lstsq(np.vstack(rows), np.concatenate(values), rcond=None)[0][-3:]
-    G = window_map(
-        WEIGHTS,
-        intervals,
-        arrival_covariance=ARRIVAL if arrival else None,
-        use_first_fix=use_first_fix,
-    )
+    priors = [ARRIVAL if arrival else None]
+    [G] = window_maps(WEIGHTS, intervals, priors, use_first_fix=use_first_fix)
     np.testing.assert_allclose(apply(G, z, effects, x0), solution, rtol=1e-9, atol=1e-10)
 
 
 @pytest.mark.parametrize("intervals", [0, 1, 5])
 def test_with_the_kalman_arrival_cost_it_is_the_kalman_filter(intervals: int) -> None:
     z, effects, x0 = data(intervals)
-    G = window_map(WEIGHTS, intervals, arrival_covariance=ARRIVAL, use_first_fix=True)
+    [G] = window_maps(WEIGHTS, intervals, [ARRIVAL])
     H, A = np.array([1.0, 0.0, 0.0]), WEIGHTS.transition
     x, P = x0, ARRIVAL  # predicted mean and covariance of the oldest node
     for i in range(intervals + 1):
@@ -99,8 +90,8 @@ def test_arrival_that_holds_the_oldest_fix_leaves_that_fix_out() -> None:
     H = np.array([1.0, 0.0, 0.0])
     K = ARRIVAL @ H / (H @ ARRIVAL @ H + WEIGHTS.fix_variance)
     filtered, P = x0 + K * (z[0] - H @ x0), ARRIVAL - np.outer(K, H @ ARRIVAL)
-    predicted = window_map(WEIGHTS, 4, arrival_covariance=ARRIVAL)
-    held = window_map(WEIGHTS, 4, arrival_covariance=P, use_first_fix=False)
+    [predicted] = window_maps(WEIGHTS, 4, [ARRIVAL])
+    [held] = window_maps(WEIGHTS, 4, [P], use_first_fix=False)
     np.testing.assert_allclose(
         apply(held, z, effects, filtered), apply(predicted, z, effects, x0), rtol=1e-9
     )
@@ -110,12 +101,7 @@ def test_arrival_that_holds_the_oldest_fix_leaves_that_fix_out() -> None:
 @pytest.mark.parametrize("arrival", [True, False])
 def test_an_undetermined_window_is_refused(arrival: bool) -> None:
     with pytest.raises(ValueError, match="do not determine"):
-        window_map(
-            WEIGHTS,
-            0 if arrival else 1,
-            arrival_covariance=None,
-            use_first_fix=not arrival,
-        )
+        next(window_maps(WEIGHTS, 0 if arrival else 1, [None], use_first_fix=not arrival))
 
 
 @pytest.mark.parametrize("fixed", [False, True])
@@ -124,7 +110,7 @@ def test_windows_made_together_are_those_made_alone(intervals: int, fixed: bool)
     arrivals = [None] * 3 if fixed else [ARRIVAL, 2.0 * np.eye(3), ARRIVAL]
     kind = {"fixed_arrival": fixed, "use_first_fix": False}
     together = list(window_maps(WEIGHTS, intervals, arrivals, **kind))
-    alone = [window_map(WEIGHTS, intervals, arrival_covariance=P, **kind) for P in arrivals]
+    alone = [next(window_maps(WEIGHTS, intervals, [P], **kind)) for P in arrivals]
     np.testing.assert_array_equal(together, alone)
     assert fixed or not np.array_equal(together[0], together[1])
 
@@ -132,21 +118,20 @@ def test_windows_made_together_are_those_made_alone(intervals: int, fixed: bool)
 @pytest.mark.parametrize("intervals", [0, 1, 6])
 def test_a_fixed_arrival_is_a_certain_one(intervals: int) -> None:
     z, effects, x0 = data(intervals)
-    fixed = window_map(WEIGHTS, intervals, fixed_arrival=True, use_first_fix=False)
-    certain = window_map(
-        WEIGHTS, intervals, arrival_covariance=1e-18 * np.eye(3), use_first_fix=False
-    )
+    [fixed] = window_maps(WEIGHTS, intervals, [None], fixed_arrival=True, use_first_fix=False)
+    [certain] = window_maps(WEIGHTS, intervals, [1e-18 * np.eye(3)], use_first_fix=False)
     expected = apply(certain, z, effects, x0)
     np.testing.assert_allclose(apply(fixed, z, effects, x0), expected, rtol=1e-6, atol=1e-7)
 
 
 CASES = {
-    "prior": ({"arrival_covariance": ARRIVAL}, {"arrival": True}),
+    "prior": (ARRIVAL, {}, {"arrival": True}),
     "fixed": (
+        None,
         {"fixed_arrival": True, "use_first_fix": False},
         {"arrival": False, "fixed_arrival": True, "use_first_fix": False},
     ),
-    "none": ({}, {"arrival": False}),
+    "none": (None, {}, {"arrival": False}),
 }
 
 
@@ -160,8 +145,8 @@ def test_casadi_finds_the_map(solver: str, tolerance: float, case: str, decades:
     weights = WindowWeights(
         WEIGHTS.transition, WEIGHTS.link_covariance * np.outer(spread, spread), WEIGHTS.fix_variance
     )
-    for_map, for_casadi = CASES[case]
-    G = window_map(weights, 6, **for_map)
+    arrival, for_map, for_casadi = CASES[case]
+    [G] = window_maps(weights, 6, [arrival], **for_map)
     tf = 0.4
     A_f = np.array([[1.0, tf, tf**2 / 2], [0.0, 1.0, tf], [0.0, 0.0, 1.0]])
     last = np.array([0.02, 0.1, 0.0])

@@ -21,7 +21,7 @@ class CasadiWindow:
     """The optimisation problem of Eq. (11) of Ren et al. (2019) for one window, solved by CasADi.
 
     A node is the time of a fix, or the present. Only this class can solve a window with
-    constraints. Without constraints, `window_map` solves the problem in closed form, and the class
+    constraints. Without constraints, `window_maps` solves the problem in closed form, and the class
     serves to test it. The hub study solves two axes at once: the states are x, y, v_x, v_y, b_x,
     b_y (position, velocity and bias of the accelerometer).
 

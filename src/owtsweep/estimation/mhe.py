@@ -9,7 +9,7 @@ A link joins two neighbouring nodes, and every link is weighted once.
 Without constraints the last link is met exactly, because the last node has no measurement. The
 estimate is then the least-squares state at the last fix, predicted over t_f by the inputs. The
 least-squares state is a linear function of fixes, inputs and arrival state (the state assumed at
-the oldest node), with constant coefficients. `window_map` computes the matrix of coefficients.
+the oldest node), with constant coefficients. `window_maps` computes the matrix of coefficients.
 """
 
 from __future__ import annotations
@@ -47,39 +47,6 @@ def square_root_information(covariance: Array) -> Array:
     return np.linalg.solve(lower, np.eye(len(covariance)))
 
 
-def window_map(
-    weights: WindowWeights,
-    intervals: int,
-    *,
-    arrival_covariance: Array | None = None,
-    fixed_arrival: bool = False,
-    use_first_fix: bool = True,
-) -> Array:
-    """Compute the matrix that turns the data of a window into the state at its last fix.
-
-    The state solves Eq. (11) of Ren et al. (2019) without constraints, for one axis of the motion.
-    The matrix has the shape (states, intervals + 1 + states * intervals + states). Its columns
-    belong to the fixes, oldest first, then to the effects of the inputs on the state over each
-    interval, then to the arrival state. The columns of data that is not used are zero.
-
-    intervals: number of fixes minus one.
-    arrival_covariance: covariance (states, states) of the arrival state; None if the cost has no
-        term for it.
-    fixed_arrival: whether the state at the oldest fix must equal the arrival state.
-    use_first_fix: false if the arrival state already includes the oldest fix.
-    Raises ValueError if the data of the window do not determine the states.
-    """
-    return next(
-        window_maps(
-            weights,
-            intervals,
-            [arrival_covariance],
-            fixed_arrival=fixed_arrival,
-            use_first_fix=use_first_fix,
-        )
-    )
-
-
 def window_maps(
     weights: WindowWeights,
     intervals: int,
@@ -88,11 +55,20 @@ def window_maps(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Iterator[Array]:
-    """Yield the matrix of `window_map`, bit for bit, for each arrival covariance (states, states).
+    """Yield the matrices that turn the data of windows into the states at their last fixes.
 
-    The equations of fixes and links are set up once for all windows, which saves a third of the
-    time.
+    A state solves Eq. (11) of Ren et al. (2019) without constraints, for one axis of the motion. A
+    matrix has the shape (states, intervals + 1 + states * intervals + states). Its columns belong
+    to the fixes, oldest first, then to the effects of the inputs on the state over each interval,
+    then to the arrival state. The columns of data that is not used are zero. The windows differ in
+    their arrival covariance alone, so the equations of fixes and links are set up once for all of
+    them, which saves a third of the time.
 
+    intervals: number of fixes minus one.
+    arrival_covariances: covariance (states, states) of the arrival state of each window; None if
+        the cost has no term for it.
+    fixed_arrival: whether the state at the oldest fix must equal the arrival state.
+    use_first_fix: false if the arrival state already includes the oldest fix.
     Raises ValueError if the data of a window do not determine the window's states.
     """
     n = len(weights.transition)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tools import configure
 
-from owtsweep.estimation.mhe import window_map
+from owtsweep.estimation.mhe import window_maps
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.horizon import horizon, transition_over
 from owtsweep.studies.hub.listed import resolve
@@ -25,12 +25,12 @@ def test_the_arrival_is_the_filter_of_one_window_ago() -> None:
     assert (mhe.length, known.fix_interval, mhe.first) == (LENGTH, M, 0)
     for fix in (0, 2, 3):  # the window fills: full information with the initial covariance
         prior = np.diag([1.0, 1.0, 0.01])
-        expected = window_map(mhe.weights, fix, arrival_covariance=prior, use_first_fix=True)
+        expected = next(window_maps(mhe.weights, fix, [prior]))
         found = chain.mhe.maps[fix, :, : expected.shape[1]]
         np.testing.assert_allclose(found, expected, rtol=1e-12)
     for fix in (4, 7, 30):
         P = chain.gains.filtered[(fix - LENGTH) * M][np.ix_([0, 1, 3], [0, 1, 3])]
-        expected = window_map(mhe.weights, LENGTH, arrival_covariance=P, use_first_fix=False)
+        expected = next(window_maps(mhe.weights, LENGTH, [P], use_first_fix=False))
         np.testing.assert_allclose(chain.mhe.maps[fix], expected, rtol=1e-12)
         assert np.all(expected[:, 0] == 0.0)  # the oldest fix is already in the filter's state
 

@@ -75,5 +75,4 @@ def test_parts_change_no_bit(overrides, few, monkeypatch, at_a_time):
 
 def test_one_replicate_runs_however_long_it_is(monkeypatch):
     monkeypatch.setattr(records, "MEMORY_SHARE", 1)
-    made = records.make_records(compose(SMALL), 4.0, range(3))
-    assert [part.replicates for part in made.parts()] == [(0,), (1,), (2,)]
+    assert records.count_records_per_block(compose(SMALL)) == 1

@@ -126,7 +126,10 @@ def test_the_noise_does_not_depend_on_the_pieces(tmp_path):
     assert np.array_equal(np.concatenate([*signals.force(700)]), whole)
     # by hand: the streams as DESIGN.md has them
     named = partial(recorded.stream, config.seed, "replay", (0.0,), 3)
-    noise = sensing.noise(config.sensors, sensors, record.steps, named)
+    noise = sensing.Measured(
+        sensing.ForceNoise(config.sensors, sensors, named).next(record.steps),
+        sensing.fix_noise(config.sensors, sensors, record.steps, named),
+    )
     force = record.acceleration @ sensors.rotation + noise.specific_force
     assert np.array_equal(whole, force)
     assert np.array_equal(signals.fixes, record.fixes + noise.fixes)

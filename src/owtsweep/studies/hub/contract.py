@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, NoReturn, Protocol
 
@@ -184,21 +185,12 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         raise NotImplementedError(f"{self.name} has no {method}")
 
 
-class Stepwise(Scheme):
-    """A scheme of the package with gains that depend on the measurements; `unbatched` says why."""
+def run_stepwise(scheme: Scheme, unbatched: str) -> Scheme:
+    """Return a scheme of the package for gains that depend on the measurements: it has no kernel.
 
-    def __init__(self, scheme: Scheme, unbatched: str) -> None:
-        self.name, self.sections, self.unbatched = scheme.name, scheme.sections, unbatched
-        self.on_board = scheme.on_board
-        self._scheme = scheme
-
-    def start(self, known: Known) -> Estimator:
-        return self._scheme.start(known)
-
-    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> Estimator:
-        """Return a new compiled estimator; `origin` as in `online_chain`.
-
-        With constraints, each window of the MHE is solved without them first. If this solution
-        breaks a constraint, the window is solved again, with constraints, by CasADi.
-        """
-        return self._scheme.stream(known, origin)
+    `unbatched` says why. With constraints, each window of the MHE is solved without them first. If
+    this solution breaks a constraint, the window is solved again, with constraints, by CasADi.
+    """
+    stepwise = copy(scheme)
+    stepwise.linear, stepwise.batched, stepwise.unbatched = False, "", unbatched
+    return stepwise

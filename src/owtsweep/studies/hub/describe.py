@@ -40,15 +40,6 @@ def list_sensors(sensors: SensorConfig) -> dict[str, str]:
     }
 
 
-def describe_sensors(config: HubConfig) -> str:
-    """Return in a line what the sensors are that every record has."""
-    known = take_facts(config.sensors)
-    return (
-        f"GNSS {known.gnss_sigma:g} m, {known.gnss_rate:g} Hz, {known.delay:g} s late; "
-        f"IMU {known.imu_sigma:g} m/s², {known.imu_rate:g} Hz"
-    )
-
-
 def _list_faults(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of what the paper's sensors do not have."""
     listed: dict[str, str] = {}
@@ -70,6 +61,19 @@ def describe_truth(config: HubConfig) -> str:
     """Return the truth of a run in one line: the length of a record, and the sensors' faults."""
     faults = [f"{name} {value}" for name, value in _list_faults(config.sensors).items()]
     return ", ".join([_describe_records(config), *faults])
+
+
+def list_origin_lines(config: HubConfig) -> list[str]:
+    """Return lines on tuning, a motion without spectrum, truth, sensors, and records."""
+    world, known = find_world(config), take_facts(config.sensors)
+    return [
+        f"Tuning {config.tuning_name}",
+        *([] if world.has_spectrum else [world.describe(config)]),
+        describe_truth(config),
+        f"Sensors: GNSS {known.gnss_sigma:g} m, {known.gnss_rate:g} Hz, {known.delay:g} s late; "
+        f"IMU {known.imu_sigma:g} m/s², {known.imu_rate:g} Hz",
+        describe_draws(config),
+    ]
 
 
 def describe_draws(config: HubConfig) -> str:

@@ -29,12 +29,10 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
     ask,
-    describe_draws,
-    describe_sensors,
-    describe_truth,
     find_winners,
     judge_efficiency,
     list_origin,
+    list_origin_lines,
     make_cube,
     tell_not_asked,
     tell_window,
@@ -92,7 +90,7 @@ class _Engine(Engine):
             table, names, conditions, criterion, window,
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
-        return frame(self._list_origin(config), shown, self._tell(config, table, tables))
+        return frame(list_origin_lines(config), shown, self._tell(config, table, tables))
 
     def contents(
         self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
@@ -101,7 +99,7 @@ class _Engine(Engine):
         won = [find_winners(config, best, name, asked.window) for name in asked.criteria]
         table, _, notes = won[0]
         return Contents(
-            self._list_origin(config),
+            list_origin_lines(config),
             [*self._tell(config, table, tables), *notes],
             self.world.order_axes(config),
             asked.criteria,
@@ -111,12 +109,6 @@ class _Engine(Engine):
             make_cube(config, rows, baselines=True),
             pd.concat([each.table for each in won], ignore_index=True),
         )
-
-    def _list_origin(self, config: HubConfig) -> list[str]:
-        world = [] if self.world.has_spectrum else [self.world.describe(config)]
-        truth, draws = describe_truth(config), describe_draws(config)
-        sensors = f"Sensors: {describe_sensors(config)}"
-        return [f"Tuning {config.tuning_name}", *world, truth, sensors, draws]
 
     def _tell(
         self, config: HubConfig, table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]

@@ -9,7 +9,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.gains import GainSchedule
-from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
+from owtsweep.estimation.mhe import WindowWeights, window_maps
 from owtsweep.studies.hub.fix_rules import PLAIN, FixRule
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, HorizonArrays, LeanTerms
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
@@ -66,19 +66,14 @@ class Horizon:
         maps = np.zeros((count, 3, 4 * self.length + 4))
         for fix in range(self.first, self.length):  # there is a prior, or no arrival term
             covariance = self.arrival_covariance(fix, gains, M)
-            solution = window_map(self.weights, fix, arrival_covariance=covariance)
+            (solution,) = window_maps(self.weights, fix, [covariance])
             maps[fix, :, : solution.shape[1]] = solution
         covariances = (
             None if self.fixed else self.arrival_covariance(fix, gains, M)
             for fix in range(self.length, count)
         )
-        solutions = window_maps(
-            self.weights,
-            self.length,
-            covariances,
-            fixed_arrival=self.fixed,
-            use_first_fix=not self.arrival,
-        )
+        kind = {"fixed_arrival": self.fixed, "use_first_fix": not self.arrival}
+        solutions = window_maps(self.weights, self.length, covariances, **kind)
         for fix, solution in enumerate(solutions, self.length):
             maps[fix] = solution
         return HorizonArrays(

@@ -11,7 +11,7 @@ after the other in the same buffers, so only the motion is in memory for the who
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -55,26 +55,10 @@ class Records:
     def steps(self) -> int:
         return round(self.config.record.duration / self.sensors.step)
 
-    def parts(self) -> Iterator[Records]:
-        """Yield records of fewer replicates, so that their motion fits into `MEMORY_SHARE` bytes.
-
-        They hold all replicates, in order. Each makes its motion at first use; deleting it frees
-        the memory. If all replicates fit at once, yield `self`.
-        """
-        count = len(self.replicates)
-        each_step = find_world(self.config).bytes_per_step
-        each = max(MEMORY_SHARE // (each_step * self.steps), 1)
-        if each >= count:
-            yield self
-            return
-        for first in range(0, count, each):
-            yield replace(self, replicates=self.replicates[first : first + each])
-
     def feed(self, amplitude: float | None = None) -> Iterator[Feed]:
         """Yield the kernels' input, of eight replicates after the other; see `Feed`."""
-        for part in self.parts():
-            for first in range(0, len(part.replicates), WIDTH):
-                yield Feed(part, first, amplitude)
+        for first in range(0, len(self.replicates), WIDTH):
+            yield Feed(self, first, amplitude)
 
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
@@ -92,7 +76,7 @@ class Records:
     def noise(self) -> tuple[Measured, ...]:
         """The noise of each replicate: all parts of the measurements that are not due to motion."""
         return tuple(
-            sensing.noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
+            Measured(self.force_noise(index).next(self.steps), self.fix_noise(index))
             for index in range(len(self.replicates))
         )
 

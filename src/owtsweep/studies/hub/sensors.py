@@ -207,12 +207,6 @@ class ForceNoise:
         return force
 
 
-def noise(config: SensorConfig, sensors: Sensors, steps: int, stream: Streams) -> Measured:
-    """Draw the part of a whole record's measurements that is not due to motion."""
-    force = ForceNoise(config, sensors, stream).next(steps)
-    return Measured(force, fix_noise(config, sensors, steps, stream))
-
-
 def fix_noise(config: SensorConfig, sensors: Sensors, steps: int, stream: Streams) -> Array:
     """Draw what is added to a record's position fixes, m, shape (fixes, 2); NaN for a lost fix.
 

@@ -11,8 +11,11 @@ from owtsweep.config import Plain
 from owtsweep.errors import require
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.studies.hub import kernels
+from owtsweep.studies.hub.conditions import find_world, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
+from owtsweep.studies.hub.untold import list_untold
+from owtsweep.studies.hub.world import list_departing
 from owtsweep.sweep.levers import Lever, double, halve
 from owtsweep.sweep.study import Engine, Study, Tuned, Varied, add_versions
 
@@ -92,15 +95,12 @@ class HubStudy(HubKeys):
         return HubConfig
 
     def list_worlds(self, config: HubConfig) -> dict[str, str]:
-        from owtsweep.studies.hub.untold import list_untold
-
         return list_untold(config).tell()
 
     def check_over(self, config: HubConfig) -> None:
         from owtsweep.studies.base.worlds import check
         from owtsweep.studies.hub.checks import check_truth
         from owtsweep.studies.hub.declaration import find_declaration
-        from owtsweep.studies.hub.untold import list_untold
 
         if config.over is None:
             return
@@ -111,12 +111,9 @@ class HubStudy(HubKeys):
         check(find_declaration(config).axes, list_untold(config), check_truth, config)
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        from owtsweep.studies.hub.conditions import find_world
-
         return find_world(config).conditions
 
     def engine(self, config: HubConfig) -> Engine:
-        from owtsweep.studies.hub.conditions import find_world
         from owtsweep.studies.hub.engines import ENGINES
 
         return ENGINES[config.engine](find_world(config))
@@ -124,8 +121,6 @@ class HubStudy(HubKeys):
     def find_bound(self, config: HubConfig) -> float | None:
         """Return bound (b), of all linear estimators, which may know the motion's spectrum."""
         from owtsweep.studies.hub.bounds import cells
-        from owtsweep.studies.hub.conditions import find_world
-        from owtsweep.studies.hub.world import list_departing
 
         criterion, measures = config.measures.criterion, config.measures
         judged = criterion in cells.BOUNDED and measures.window == cells.WINDOW
@@ -152,14 +147,12 @@ class HubStudy(HubKeys):
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
         """Write error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv."""
-        from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
         require_spectrum(config, "`spectrum`")
         return write(config, folder, metadata)
 
     def count_trials(self, config: HubConfig) -> int:
-        from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.tuning.tuned import list_tunable
 
         require_spectrum(config, "`tune`")

@@ -8,10 +8,10 @@ A tilt that no filter follows is warned of.
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from functools import cache
 from math import sqrt
 from operator import attrgetter
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from owtsweep.config import Plain, changed, typed, with_values
 from owtsweep.errors import InputError
@@ -108,8 +108,30 @@ def fill_in(plain: Plain) -> Plain:
 
     A warning is logged if `auto` stands for sensors beyond those that the rules were made for.
     """
-    if not any(_holds_auto(part.get(section)) for part in _parts(plain) for section in TUNED):
-        return plain
+    find_numbers = cache(lambda: _find_numbers(plain))
+
+    def fill(value: Any, key: str) -> Any:
+        if isinstance(value, dict):
+            return {name: fill(inner, f"{key}.{name}") for name, inner in value.items()}
+        return find_numbers().get(key, value) if value == AUTO else value
+
+    def fill_sections(part: Plain) -> Plain:
+        return {name: fill(v, name) if name in TUNED else v for name, v in part.items()}
+
+    filled, tunings = fill_sections(plain), plain.get("tunings")
+    if isinstance(tunings, dict):
+        filled["tunings"] = {
+            name: fill_sections(part) if isinstance(part, dict) else part
+            for name, part in tunings.items()
+        }
+    return filled
+
+
+def _find_numbers(plain: Plain) -> Plain:
+    """Return the rules' numbers for the sensors of plain keys; warn if they are beyond the rules'.
+
+    A filter knows the tilt.
+    """
     facts, tilt = DEFAULT, 0.0
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))
@@ -118,12 +140,7 @@ def fill_in(plain: Plain) -> Plain:
     else:
         facts, tilt = take_facts(sensors), find_tilt(plain, sensors.imu)
         _warn(facts)
-    numbers = _compute(facts)
-    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter knows the truth
-    filled = _fill(plain, numbers)
-    if plain.get("tunings"):
-        filled["tunings"] = {n: _fill(part, numbers) for n, part in plain["tunings"].items()}
-    return filled
+    return _compute(facts) | {f"{section}.tilt": tilt for section in FILTERS}
 
 
 def follow_sensors(config: C, sensors: SensorConfig) -> C:
@@ -139,29 +156,6 @@ def follow_sensors(config: C, sensors: SensorConfig) -> C:
     tuning = Tuning(**{name: getattr(config, name) for name in TUNED})
     kept = {key: after[key] for key in before if attrgetter(key)(tuning) == before[key]}
     return changed(moved, **vars(with_values(tuning, kept)))
-
-
-def _parts(plain: Plain) -> list[Plain]:
-    tunings = plain.get("tunings")
-    several = list(tunings.values()) if isinstance(tunings, dict) else []
-    return [plain, *(part for part in several if isinstance(part, dict))]
-
-
-def _holds_auto(value: object) -> bool:
-    if isinstance(value, dict):
-        return any(_holds_auto(part) for part in value.values())
-    return isinstance(value, str) and value == AUTO
-
-
-def _fill(plain: Plain, numbers: Mapping[str, object], path: str = "") -> Plain:
-    filled: Plain = {}
-    for name, value in plain.items():
-        key = f"{path}{name}"
-        if isinstance(value, dict):
-            filled[name] = _fill(value, numbers, f"{key}.")
-        else:
-            filled[name] = numbers.get(key, value) if value == AUTO else value
-    return filled
 
 
 def take_facts(sensors: SensorConfig) -> Facts:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import ClassVar
 
 from owtsweep.config import Plain, as_mapping
-from owtsweep.config.typed import value_at
 from owtsweep.errors import require
 from owtsweep.motion.departing import PacedSource, PeakSum
 from owtsweep.motion.modulation import ModulatedSource, Modulation
@@ -147,7 +147,7 @@ class SpectrumWorld(World):
     def list_pairing(self, config: HubConfig) -> Plain:
         pairing = {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
         named = (key for key in list_departing(config) if key != "motion.envelope")
-        return pairing | {key: value_at(as_mapping(config), key) for key in named}
+        return pairing | {key: attrgetter(key)(config) for key in named}
 
     def describe(self, config: HubConfig) -> str:
         motion = config.motion
@@ -182,14 +182,8 @@ class SpectrumWorld(World):
 
 def list_departing(config: HubConfig) -> list[str]:
     """Return the keys by which the motion departs from one steady spectrum."""
-    motion = config.motion
-    departing = {
-        "motion.envelope": motion.envelope,
-        "motion.peaks": motion.peaks,
-        "motion.pace": motion.pace,
-        "structure": config.structure,
-    }
-    return [key for key, value in departing.items() if value is not None]
+    keys = ("motion.envelope", "motion.peaks", "motion.pace", "structure")
+    return [key for key in keys if attrgetter(key)(config) is not None]
 
 
 def _refuse_keys_of_plant(config: HubConfig) -> None:

@@ -105,7 +105,7 @@ class HorizonArrays(NamedTuple):
 
     active: whether the scheme has an MHE.
     maps: one matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
-        columns are explained in `estimation.mhe.window_map`.
+        columns are explained in `estimation.mhe.window_maps`.
     horizon: N_m, the number of intervals between fixes in a full window.
     interval: T_m, the time between the MHE's positions, in steps.
     first: number of the first fix at which the window can be solved.

@@ -10,7 +10,7 @@ from typing import Literal
 
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known, Scheme, Stepwise
+from owtsweep.studies.hub.contract import Known, Scheme, run_stepwise
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 #: Greatest number of chains in the cache: four schemes under each of two tunings, and three
@@ -69,6 +69,6 @@ class FilterScheme(ChainScheme):
         return chosen
 
     def under(self, config: HubConfig) -> Scheme:
-        """Return `Stepwise` if fixes lose weight, else `self`."""
+        """Return `self`, to be run step by step if fixes lose weight."""
         plain = self.choose_filter(config).fix_rule == "plain"
-        return self if plain else Stepwise(self, "its fix_rule leaves")
+        return self if plain else run_stepwise(self, "its fix_rule leaves")

@@ -17,7 +17,7 @@ from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.checks import check_mhe
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known, Scheme, Stepwise
+from owtsweep.studies.hub.contract import Known, Scheme, run_stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2
@@ -174,9 +174,9 @@ class HME2(HME1):
         return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
 
     def under(self, config: HubConfig) -> Scheme:
-        """Return `Stepwise` with constraints, or if fixes lose weight; else `self`."""
+        """Return `self`, to be run step by step with constraints, or if fixes lose weight."""
         if np.any(np.isfinite(config.hme.mhe.bounds)):
-            return Stepwise(self, "its constraints leave")
+            return run_stepwise(self, "its constraints leave")
         return super().under(config)
 
     def check(self, config: HubConfig) -> None:
