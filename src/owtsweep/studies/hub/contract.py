@@ -172,14 +172,11 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
             self.batched in ("", "chain", "own"),
             f'batched = {self.batched!r} is none of "", "chain", "own"',
         )
-        for batched, method, none in (
-            ("chain", type(self).kernel, Scheme.kernel),
-            ("own", type(self).own_kernel, Scheme.own_kernel),
-        ):
-            require(
-                self.batched != batched or method is not none,
-                f"batched = {batched!r}, but it lacks the method {none.__name__}",
-            )
+        method = {"": "start", "chain": "kernel", "own": "own_kernel"}[self.batched]
+        require(
+            getattr(type(self), method) is not getattr(Scheme, method),
+            f"batched = {self.batched!r}, but it lacks the method {method}",
+        )
 
     def _lacks(self, method: str) -> NoReturn:
         raise NotImplementedError(f"{self.name} has no {method}")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.results.conditions import Value
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
@@ -139,18 +139,15 @@ def simulate_histories(config: HubConfig) -> Histories:
     estimated: dict[str, SchemeHistory] = {}
     left_out: dict[str, str] = {}
     for scheme in resolve_all(config.schemes, config):
-        if scheme.batched != "chain":
-            left_out[scheme.name] = "it is none of the filter chains that this figure runs"
-            continue  # step by step it would take minutes
-        if config.sensors.gnss.loses:
-            left_out[scheme.name] = "its gains depend on the fixes that are lost"
-            continue
-        try:
+        chained, loses = scheme.batched == "chain", config.sensors.gnss.loses
+        try:  # step by step it would take minutes
+            require(chained, "it is none of the filter chains that this figure runs")
+            require(not loses, "its gains depend on the fixes that are lost")
             chain = scheme.kernel(Known(sensors, config), records.steps)
-        except InputError as error:  # a tuning that this scheme cannot run with
+        except InputError as error:  # perhaps a tuning that this scheme cannot run with
             left_out[scheme.name] = str(error)
-            continue
-        estimated[scheme.name] = _estimate(chain, sensors, force, fixes)
+        else:
+            estimated[scheme.name] = _estimate(chain, sensors, force, fixes)
     return Histories(
         natural_period=period,
         amplitude=float(factor * np.abs(motion.position).max()) if sea else AMPLITUDE,

@@ -30,7 +30,7 @@ class FixTuning(Section):
     )
     gate_probability: float = key(
         "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
-        "degrees of freedom)",
+        "degrees of freedom; skf has one, for it judges each axis by itself)",
         default=0.999,
         gt=0.0,
         lt=1.0,
@@ -192,13 +192,6 @@ class Skf(FixTuning):
     fix_rule: Literal["plain", "gate", "huber"] | None = key(  # type: ignore[assignment]
         "as of the other filters; null: gate in SKFA, and plain in SKF, which then is linear",
         default=None,
-    )
-    gate_probability: float = key(
-        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, one "
-        "degree of freedom)",
-        default=0.999,
-        gt=0.0,
-        lt=1.0,
     )
     gate_patience: int = key(
         "fix_rule=gate: fixes that are refused in a row; then every fix is taken until one lies "

@@ -17,7 +17,7 @@ from owtsweep.config import Plain, changed, typed, with_values
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.structures import Structure, compute_modes
-from owtsweep.studies.hub.config import TUNED, HubConfig, Imu, MotionConfig, SensorConfig
+from owtsweep.studies.hub.config import TUNED, Gnss, HubConfig, Imu, MotionConfig, SensorConfig
 from owtsweep.studies.hub.scheme_sections import Tuning
 
 logger = logging.getLogger(__name__)
@@ -106,9 +106,21 @@ def compute_numbers(facts: Facts) -> Plain:
 def fill_in(plain: Plain) -> Plain:
     """Return plain keys, of one tuning or several, with the rules' numbers in place of `auto`.
 
-    A warning is logged if `auto` stands for sensors beyond those that the rules were made for.
+    A warning is logged if `auto` stands for sensors beyond those that the rules were made for, or
+    if the tilt is one that no filter follows.
     """
-    find_numbers = cache(lambda: _find_numbers(plain))
+    try:
+        sensors = typed(SensorConfig, plain.get("sensors"))
+    except InputError:
+        return plain  # typing the whole configuration names the fault
+    tilt = find_tilt(plain, sensors.imu)
+    _warn_of_growth(sensors.gnss, tilt)
+
+    @cache
+    def find_numbers() -> Plain:
+        facts = take_facts(sensors)
+        _warn(facts)
+        return _compute(facts) | {f"{section}.tilt": tilt for section in FILTERS}
 
     def fill(value: Any, key: str) -> Any:
         if isinstance(value, dict):
@@ -125,22 +137,6 @@ def fill_in(plain: Plain) -> Plain:
             for name, part in tunings.items()
         }
     return filled
-
-
-def _find_numbers(plain: Plain) -> Plain:
-    """Return the rules' numbers for the sensors of plain keys; warn if they are beyond the rules'.
-
-    A filter knows the tilt.
-    """
-    facts, tilt = DEFAULT, 0.0
-    try:
-        sensors = typed(SensorConfig, plain.get("sensors"))
-    except InputError:
-        pass  # typing the whole configuration names the fault
-    else:
-        facts, tilt = take_facts(sensors), find_tilt(plain, sensors.imu)
-        _warn(facts)
-    return _compute(facts) | {f"{section}.tilt": tilt for section in FILTERS}
 
 
 def follow_sensors(config: C, sensors: SensorConfig) -> C:
@@ -217,18 +213,13 @@ def find_tilt(plain: Plain, imu: Imu) -> float:
     return float(f"{slope:.4g}")
 
 
-def warn_of_growth(plain: Plain) -> None:
-    """Log a warning if the sensors' tilt lets errors grow more than e^`LARGEST_GROWTH` times.
+def _warn_of_growth(gnss: Gnss, tilt: float) -> None:
+    """Log a warning if a tilt (rad/m) lets errors grow more than e^`LARGEST_GROWTH` times.
 
     In p'' = f + g tilt p + b an error grows as exp(sqrt(g tilt) t) while no fix corrects it; the
     longest such time is the fixes' interval and their delay.
     """
-    try:
-        sensors = typed(SensorConfig, plain.get("sensors"))
-    except InputError:
-        return  # typing the whole configuration names the fault
-    alone = 1.0 / sensors.gnss.rate + sensors.gnss.delay
-    tilt = find_tilt(plain, sensors.imu)
+    alone = 1.0 / gnss.rate + gnss.delay
     growth = sqrt(max(GRAVITY * tilt, 0.0)) * alone
     if growth > LARGEST_GROWTH:
         logger.warning(
