@@ -68,12 +68,10 @@ def make_steady(model: InputStateModel, Q: Array, S: Array, R: Array) -> Filter:
     """
     F, H, noise = augment_walks(model, Q, S)
     check_noise(R)
-    K = _solve(F, H, noise, R)
+    K, settled = _solve(F, H, noise, R), True
     if K is None:
         varying = make_kalman(F, H, noise, R, noise)
         K, settled = varying.K, varying.settled
-    else:
-        settled = True
     loop = F - K @ (H @ F)
     return Filter(loop, K, loop[None], K[None], settled)
 

@@ -140,12 +140,14 @@ class PredictionNoise:
 def prediction_noise(model: Discrete, steps: int) -> PredictionNoise:
     """Compute the effects of noise on a prediction over some steps, for a model with one input."""
     A = powers(model.A, steps)
-    response = np.array([A[steps - 1 - i] @ model.B[:, 0] for i in range(steps)])
-    response = response.reshape(steps, len(model.A))
+
+    def respond(B: Array) -> Array:
+        return np.array([P @ B[:, 0] for P in A[:steps][::-1]]).reshape(steps, len(B))
+
+    response = respond(model.B)
     if model.B_next is not None:
-        at_end = np.array([A[steps - 1 - i] @ model.B_next[:, 0] for i in range(steps)])
         response = np.pad(response, [(0, 1), (0, 0)])
-        response[1:] += at_end.reshape(steps, len(model.A))
+        response[1:] += respond(model.B_next)
     process = np.zeros_like(model.Q)
     for i in range(steps):
         process += A[i] @ model.Q @ A[i].T
