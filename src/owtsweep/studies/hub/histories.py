@@ -140,7 +140,8 @@ def simulate_histories(config: HubConfig) -> Histories:
     left_out: dict[str, str] = {}
     for scheme in resolve_all(config.schemes, config):
         chained, loses = scheme.batched == "chain", config.sensors.gnss.loses
-        try:  # step by step it would take minutes
+        try:
+            # step by step it would take minutes
             require(chained, "it is none of the filter chains that this figure runs")
             require(not loses, "its gains depend on the fixes that are lost")
             chain = scheme.kernel(Known(sensors, config), records.steps)
