@@ -3,8 +3,9 @@
     python -m experiments.advised [FOLDER] [QUESTIONS] [NAME=VALUE ...]
 
 Draws QUESTIONS questions of the hub study (default 100): natural period, amplitude, rate, delay and
-noise of the fixes. Each is asked by `advise`, and the advised scheme is run on 400 records. Further
-arguments are overrides of all questions.
+noise of the fixes. Each is asked by `advise`, and the advised scheme is run on 400 records; the
+advice has used the first 192 of them. Records have 100 s, so that 100 questions take an hour of two
+cores. Further arguments are overrides of all questions.
 
 Writes into FOLDER (default: results/advised) advised.csv: the question, scheme, error, low and high
 of the 400 records, and whether the error lies between them.
@@ -18,7 +19,7 @@ from owtsweep.advice.answer import find_answer, measure_closely
 from owtsweep.advice.found import find
 from owtsweep.advice.question import ask
 
-RECORDS = 400
+RECORDS, DURATION = 400, "record.duration=100"
 SEED = 41
 
 
@@ -33,9 +34,9 @@ def draw(generator):
     ]
 
 
-def judge(words):
+def judge(words, overrides):
     """Ask one question; return its row."""
-    question = ask(words)
+    question = ask([*words, DURATION, *overrides])
     answer = find_answer(question)
     told = measure_closely(question, answer) or answer.error
     names = [f"schemes=[{answer.best}]", "baselines=[]"]
@@ -57,7 +58,7 @@ def main():
     generator = np.random.default_rng(SEED)
     rows = []
     for number in range(questions):
-        row = judge([*draw(generator), *overrides])
+        row = judge(draw(generator), overrides)
         rows.append(row)
         print(f"{number + 1}: {row}", flush=True)
     table = pd.DataFrame(rows)
