@@ -43,4 +43,6 @@ def spread_to_both_axes(covariance: Array) -> Array:
 
     Those along y are taken to be equal, and the two axes uncorrelated.
     """
-    return np.kron(covariance, np.eye(2))
+    both = np.zeros((len(covariance), 4, 4))
+    both[:, ::2, ::2] = both[:, 1::2, 1::2] = covariance
+    return both

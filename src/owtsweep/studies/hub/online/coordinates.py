@@ -7,6 +7,7 @@ is stated or the first fix.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +15,13 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
+from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.loop import RecordEstimator
+from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.online_layout import OnlineEstimates
 from owtsweep.studies.hub.models import AxisFilter
+from owtsweep.studies.hub.sensors import Sensors
 
 #: Largest distance in m of the first fix from a stated origin: no motion goes so far, so the fixes
 #: are in coordinates of a map and the origin is not.
@@ -77,6 +82,61 @@ def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
             series[:unknown] = np.nan
         out.covariance[:unknown] = np.diag([np.inf, np.inf])
     return out
+
+
+class LocatedEstimator(RecordEstimator):
+    """A running estimator of the hub that works about an origin: one IMU sample at a time, or many.
+
+    Fixes and estimates are in the caller's coordinates, e.g. of a map.
+
+    origin: x and y in m, shape (2,); None for the first fix.
+    """
+
+    def __init__(self, sensors: Sensors, origin: Array | None) -> None:
+        self._sensors, self._origin = sensors, origin
+        self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
+
+    @property
+    def origin(self) -> Array | None:
+        """The origin, m, shape (2,); None before the first fix, if that is the origin."""
+        return None if self._origin is None else self._origin.copy()
+
+    @property
+    def step(self) -> float:
+        """The IMU's sampling interval, s."""
+        return self._sensors.step
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
+
+        specific_force: in the IMU's frame, m/s^2, shape (2,).
+        position: the fix in NED, m, shape (2,). None (or two NaN) if there is no fix.
+        Returns: position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and
+            the innovation of the position; None in its place if the filter took no position at this
+            step. Where the origin is the first fix, position and velocity are NaN and their
+            variances infinite until it comes.
+        Raises ValueError if a sample is not two finite numbers, or a fix cannot be taken. The
+        estimator is left unchanged.
+        Raises ArithmeticError as `OnlineEstimator.run`.
+        """
+        check_sample(specific_force, position)
+        self._force[0] = specific_force
+        self._fix[0] = np.nan if position is None else position
+        state, covariance, value, variance = (s[0] for s in self._run(self._force, self._fix))
+        innovation = Innovation(value, variance) if value[0] == value[0] else None  # not NaN
+        return Estimate(state[:2], state[2:], covariance, innovation)
+
+    def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
+        """Take many samples, shape (steps, 2) each, as if `update` took each in turn.
+
+        Both components of a position are NaN at steps without a fix. Raises ValueError and
+        ArithmeticError as `update`, or ValueError if the shapes are wrong.
+        """
+        return Trajectory(*self._run(specific_force, positions))
+
+    @abstractmethod
+    def _run(self, specific_force: Array, positions: Array) -> tuple[Array, Array, Array, Array]:
+        """Take samples; return what a `Trajectory` consists of, NaN at steps without innovation."""
 
 
 def check_sample(specific_force: Array, position: Array | None) -> None:

@@ -13,9 +13,7 @@ from owtsweep.arrays import Array, make_rows
 from owtsweep.estimation.discretisation import Discrete, prediction_noise
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
-from owtsweep.evaluation.estimate import Estimate, Innovation
-from owtsweep.evaluation.loop import RecordEstimator
-from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
+from owtsweep.evaluation.trajectory import spread_to_both_axes
 from owtsweep.studies.hub.chain import predictor_arrays
 from owtsweep.studies.hub.contract import ZERO
 from owtsweep.studies.hub.fix_rules import FIX_RULES, FixRule, make_fix_rule
@@ -35,8 +33,8 @@ from owtsweep.studies.hub.kernels.online_layout import (
 from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter, input_model
 from owtsweep.studies.hub.online.coordinates import (
     FARTHEST,
+    LocatedEstimator,
     check_origin,
-    check_sample,
     check_samples,
     make_estimates,
     start_at_first_fix,
@@ -181,7 +179,7 @@ TOO_FAR = (
 _EYE = np.eye(2)
 
 
-class OnlineEstimator(RecordEstimator):
+class OnlineEstimator(LocatedEstimator):
     """A running scheme: `update` takes one IMU sample, `run` takes many samples.
 
     Any position fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at
@@ -205,55 +203,15 @@ class OnlineEstimator(RecordEstimator):
         solver: str,
         origin: Array | None,
     ) -> None:
-        self._sensors, self._mhe, self._solver = sensors, mhe, solver
+        super().__init__(sensors, origin)
+        self._mhe, self._solver = mhe, solver
         self._filter, self._horizon = settings, horizon
         self._registers: OnlineRegisters = new_registers(settings, horizon)
-        self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
         #: How often the MHE's window was solved with constraints, because they were violated.
         self.solved = 0
         self._lost = ""
-        self._origin = origin
         self._located = False  # no fix has come yet
         self._skipped = 0  # samples before the first fix, where that is the origin
-
-    @property
-    def origin(self) -> Array | None:
-        """The point about which the schemes start from zero, m; None before the first fix."""
-        return None if self._origin is None else self._origin.copy()
-
-    @property
-    def step(self) -> float:
-        """The IMU's sampling interval, s."""
-        return self._sensors.step
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
-
-        specific_force: in the IMU's frame, m/s^2, shape (2,).
-        position: the fix in NED, m, shape (2,). None (or two NaN) if there is no fix.
-        Returns: position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and
-            the innovation of the position; None in its place if the filter took no position at this
-            step. Where the origin is the first fix, position and velocity are NaN and their
-            variances infinite until it comes.
-        Raises ValueError if a sample is not two finite numbers, a fix comes at a step at which HME2
-        cannot take fixes, or the first fix lies more than 100 km from a stated origin. The
-        estimator is left unchanged.
-        Raises ArithmeticError if the solver cannot meet the constraints of the MHE. The sample is
-        then only partly processed, so every later call raises this error too: start a new
-        estimator.
-        """
-        check_sample(specific_force, position)
-        self._force[0] = specific_force
-        self._fix[0] = np.nan if position is None else position
-        out = self.run(self._force, self._fix)
-        innovation = None
-        if out.innovation_variance[0] == out.innovation_variance[0]:  # not NaN
-            innovation = Innovation(out.innovation[0], out.innovation_variance[0] * _EYE)
-        P = out.covariance[0]
-        covariance = np.zeros((4, 4))
-        covariance[::2, ::2] = P
-        covariance[1::2, 1::2] = P
-        return Estimate(out.state[0, :2], out.state[0, 2:], covariance, innovation)
 
     def run(self, specific_force: Array, positions: Array) -> OnlineEstimates:
         """Take many IMU samples at once; the result is as if `update` took sample after sample.
@@ -261,8 +219,12 @@ class OnlineEstimator(RecordEstimator):
         specific_force, positions: m/s^2 in the IMU's frame, and m in NED, shape (steps, 2) each.
             Both components of a position are NaN at steps without a fix.
         Returns: arrays with one row per step.
-        Raises ValueError as `update`, or if the shapes are wrong. The estimator is left unchanged.
-        Raises ArithmeticError as `update`; some samples are then processed already.
+        Raises ValueError if the shapes are wrong, a number is not finite, a fix comes at a step at
+        which HME2 cannot take fixes, or the first fix lies more than 100 km from a stated origin.
+        The estimator is left unchanged.
+        Raises ArithmeticError if the solver cannot meet the constraints of the MHE. Some samples
+        are then processed already, one of them only partly, so every later call raises this error
+        too: start a new estimator.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
@@ -292,15 +254,10 @@ class OnlineEstimator(RecordEstimator):
         part.state[:, :2] += self._origin
         return out
 
-    def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
-        """Take many IMU samples at once, as `run` does; return a `Trajectory` for `evaluation`."""
+    def _run(self, specific_force: Array, positions: Array) -> tuple[Array, Array, Array, Array]:
         out = self.run(specific_force, positions)
-        return Trajectory(
-            out.state,
-            spread_to_both_axes(out.covariance),
-            out.innovation,
-            out.innovation_variance[:, None, None] * _EYE,
-        )
+        variance = out.innovation_variance[:, None, None] * _EYE
+        return out.state, spread_to_both_axes(out.covariance), out.innovation, variance
 
     def _check(self, force: Array, positions: Array) -> int:
         """Check samples; return the number of steps before a first fix that is the origin."""

@@ -20,46 +20,38 @@ from owtsweep.studies.hub.chain import Chain, chain
 from owtsweep.studies.hub.checks import check_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Estimator, Known
-from owtsweep.studies.hub.fix_rules import PLAIN, FixRule, make_fix_rule
+from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter, axis_filter, input_model
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
-from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
 
 
-class DelayedChain:
-    """The part that HME1 and HME2 have in common: register 1, filter, smoother and predictor.
+class HME1Estimator:
+    """HME1 as an estimator that runs step by step: Algorithm 1 of Ren et al. (2019).
 
-    Register 1 delays the samples of the IMU. HME1 and HME2 differ only in the position that they
-    give to the filter. As long as every fix arrives when it is due, the covariances of estimates
-    are taken from `gains`. After that, `on_schedule` is False, and the covariances are computed
-    from the filter's own past covariances.
-
-    window: the smoother's lag in IMU steps.
-    gains: the scheme as a chain, with precomputed covariances.
-    hold: the value of the key `hme.predictor.hold`.
-    fix_rule: how much the positions count that the filter gets.
+    Register 1 delays the samples of the IMU; filter, smoother and predictor follow. As long as
+    every fix arrives when it is due, the covariances of estimates are taken from `gains`, the
+    scheme as a chain. After that, `on_schedule` is False, and the covariances are computed from the
+    filter's own past covariances.
     """
 
-    def __init__(
-        self,
-        tuning: FilterTuning,
-        window: int,
-        sensors: Sensors,
-        gains: Chain,
-        hold: str,
-        fix_rule: FixRule = PLAIN,
-    ) -> None:
-        axis = axis_filter(tuning, sensors)
-        self.axis = axis
-        self.sensors = sensors
+    def __init__(self, known: Known, scheme: HME1) -> None:
+        sensors, config = known.sensors, known.tuning
+        tuning, window = scheme.choose_filter(config), scheme.choose_window(config)
+        # an MHE weighs the fixes itself
+        mhe = scheme.make_horizon(config, sensors)
+        fix_rule = make_fix_rule(tuning) if mhe is None else PLAIN
+        self.axis, self.sensors = axis_filter(tuning, sensors), sensors
+        self.gains = scheme.kernel(known)
         self.on_schedule = fix_rule.name == "plain"
-        self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule, fix_rule)
+        self.filter = MultirateKalmanFilter(
+            self.axis, sensors.rotation, tuning.update_rule, fix_rule
+        )
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
-        self.input_model = input_model(tuning, sensors, hold)
+        self.input_model = input_model(tuning, sensors, config.hme.predictor.hold)
         self.count = 0
         # Register 1 delays samples by N_d steps (the GNSS delay); the paper prints N_d - 1.
         # Register u_s keeps the last N_s samples that have left register 1; N_s is the length of
@@ -68,7 +60,11 @@ class DelayedChain:
             [np.zeros(2)] * (sensors.delay + window + 1), maxlen=sensors.delay + window + 1
         )
         self.window = window
-        self.gains = gains
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        if (position is not None) != (self.count % self.sensors.fix_interval == 0):
+            self.on_schedule = False
+        return self.advance(self.push(specific_force), position)[0]
 
     def push(self, specific_force: Array) -> Array:
         """Store the newest IMU sample in register 1; return the sample of N_d steps ago.
@@ -79,7 +75,7 @@ class DelayedChain:
         self.samples.append(np.array(specific_force, dtype=float))
         return self.samples[-1 - self.sensors.delay]
 
-    def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
+    def advance(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
         """Filter, smooth and predict (Algorithms 6 to 9 of Ren et al. 2019).
 
         Return the estimate of the present motion, and the filter's results, which are for N_d steps
@@ -113,23 +109,6 @@ class DelayedChain:
         )
 
 
-class HME1Estimator:
-    """HME1 as an estimator that runs step by step: Algorithm 1 of Ren et al. (2019)."""
-
-    def __init__(self, known: Known, gains: Chain) -> None:
-        sensors, tuning = known.sensors, known.tuning
-        self.sensors = sensors
-        window, hold = tuning.hme.smoother_window, tuning.hme.predictor.hold
-        fix_rule = make_fix_rule(tuning.hme1)
-        self.chain = DelayedChain(tuning.hme1, window, sensors, gains, hold, fix_rule)
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
-            self.chain.on_schedule = False
-        delayed = self.chain.push(specific_force)
-        return self.chain.step(delayed, position)[0]
-
-
 class HME1(FilterScheme):
     """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019)."""
 
@@ -137,7 +116,7 @@ class HME1(FilterScheme):
     sections: Sequence[str] = ("hme1", "hme.smoother_window", "hme.predictor")
 
     def start(self, known: Known) -> Estimator:
-        return HME1Estimator(known, self.kernel(known))
+        return HME1Estimator(known, self)
 
     def choose_window(self, tuning: HubConfig) -> int:
         """Return the smoother's window, in IMU steps."""

@@ -22,7 +22,7 @@ from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2
 from owtsweep.studies.hub.online.estimator import OFF_GRID
-from owtsweep.studies.hub.schemes.hme1 import HME1, DelayedChain
+from owtsweep.studies.hub.schemes.hme1 import HME1, HME1Estimator
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -115,41 +115,37 @@ class MovingHorizonEstimator:
         return np.array(axes).T.ravel()
 
 
-class HME2Estimator:
+class HME2Estimator(HME1Estimator):
     """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
 
-    def __init__(self, known: Known, gains: Chain, window: int, mhe: Horizon) -> None:
-        sensors, tuning = known.sensors, known.tuning
-        self.sensors = sensors
-        self.chain = DelayedChain(tuning.hme2, window, sensors, gains, tuning.hme.predictor.hold)
-        self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
-        self.step = 0
+    def __init__(self, known: Known, scheme: HME2) -> None:
+        super().__init__(known, scheme)
+        mhe, solver = scheme.make_horizon(known.tuning, known.sensors), known.tuning.hme.mhe.solver
+        self.mhe = MovingHorizonEstimator(mhe, known.sensors, self.gains, solver)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
         Raises ValueError if a fix comes at a step at which no fix is due. The MHE could not use it.
         """
-        since_fix = self.step % self.sensors.fix_interval
+        interval = self.sensors.fix_interval
+        since_fix = self.count % interval
         if position is not None and since_fix:
-            raise ValueError(
-                OFF_GRID.format(step=self.step, interval=self.sensors.fix_interval, after="")
-            )
-        delayed = self.chain.push(specific_force)
+            raise ValueError(OFF_GRID.format(step=self.count, interval=interval, after=""))
+        delayed = self.push(specific_force)
         if since_fix == 0:
             if position is None:
-                self.chain.on_schedule = self.mhe.on_schedule = False
+                self.on_schedule = self.mhe.on_schedule = False
             self.mhe.take_fix(None if position is None else np.array(position, dtype=float))
         fix = None
         if not self.mhe.determined():
             fix = position  # too few fixes for a window: the filter gets the fix itself
-        elif self.step % self.mhe.mhe.interval == 0:
+        elif self.count % self.mhe.mhe.interval == 0:
             fix = self.mhe.position(since_fix)
-        estimate, filtered = self.chain.step(delayed, fix)
+        self.mhe.take_input(self.count, self.sensors.rotation @ delayed)
+        estimate, filtered = self.advance(delayed, fix)
         if since_fix == 0:
             self.mhe.take_state(filtered)
-        self.mhe.take_input(self.step, self.sensors.rotation @ delayed)
-        self.step += 1
         return estimate
 
 
@@ -160,9 +156,7 @@ class HME2(HME1):
     sections = ("hme2", "hme")
 
     def start(self, known: Known) -> HME2Estimator:
-        tuning, sensors = known.tuning, known.sensors
-        window, mhe = self.choose_window(tuning), self.make_horizon(tuning, sensors)
-        return HME2Estimator(known, self.kernel(known), window, mhe)
+        return HME2Estimator(known, self)
 
     def choose_window(self, tuning: HubConfig) -> int:
         """Return the smoother's window, in IMU steps: HME2's own, or else that of HME1."""
