@@ -29,9 +29,11 @@ from scipy.stats import t as student
 import owtsweep
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds, timed
+from owtsweep.results.cube import Cube
 from owtsweep.studies import compose
 from owtsweep.studies.hub import cache
 from owtsweep.studies.hub.expected import answers, engine
+from owtsweep.studies.hub.world import CONDITIONS
 
 KEYS = ["scheme", "natural_period", "amplitude", "measure", "window"]
 FINE = 200
@@ -87,8 +89,9 @@ def map_of(overrides: Sequence[str]) -> None:
     amplitudes = np.geomspace(0.05, 10.0, FINE)
     names = [block.content["scheme"] for block in engine.plan(config)]
     rows = engine.rows_of(config, names, [float(p) for p in periods])
-    expectations = answers.expected(rows, names, config.measures.criterion, config.measures.window)
-    answers.judge(expectations.at(amplitudes))
+    grid = {"natural_period": periods.tolist(), "amplitude": amplitudes.tolist()}
+    cube = Cube.of_rows(rows, names, CONDITIONS, grid)
+    answers.judge(answers.expect(cube, config.measures.criterion, config.measures.window))
 
 
 @contextmanager

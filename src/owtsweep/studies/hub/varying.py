@@ -25,8 +25,8 @@ from owtsweep.studies.base.varying.errors import Errors
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.describe import list_sensors, tell_not_asked, tell_window
-from owtsweep.studies.hub.expected.answers import RESOLUTION, expected, find_winning
+from owtsweep.studies.hub.describe import list_sensors, make_cube, tell_not_asked, tell_window
+from owtsweep.studies.hub.expected.answers import RESOLUTION, expect, find_winning
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.listed import BASELINES, list_baselines, resolve_all, scheme_names
 from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
@@ -95,22 +95,23 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     """
     one = next(iter(configs.values()))
     schemes, baselines, measures = scheme_names(one), list_baselines(one), criteria(one)
-    amplitudes = np.array(one.grid.amplitude, dtype=float)
     periods = sorted(one.grid.natural_period)
-    names, tables, bounds = [*schemes, *baselines], [], []
+    names, cubes, bounds = [*schemes, *baselines], [], []
     for number, (value, config) in enumerate(configs.items(), 1):
         place = f"{along.label}={along.show(value)}"
         tell_step(f"value {number} of {len(configs)}: {place}")
-        tables.append(_compute_rows(config, names, periods, place))
+        cubes.append(
+            make_cube(config, _compute_rows(config, names, periods, place), baselines=True)
+        )
         bounds.append(kalman_bounds(config))
     mse, bound_mse = {}, {}
     for measure in measures:
-        errors = [expected(table, names, measure, WINDOW).at(amplitudes) for table in tables]
-        mse[measure] = np.stack(errors, axis=1).reshape(len(names), len(tables), -1)
+        errors = [expect(cube, measure, WINDOW) for cube in cubes]
+        mse[measure] = np.stack(errors, axis=1).reshape(len(names), len(cubes), -1)
         bound_mse[measure] = np.array([bound[measure] for bound in bounds])
     judged = mse[one.measures.criterion]
     notes = list_notes(along, configs, schemes, judged[: len(schemes)])
-    motions = list(product(periods, amplitudes.tolist()))
+    motions = list(product(periods, sorted(one.grid.amplitude)))
     return make_errors(along, configs, motions, mse, bound_mse, notes)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -206,7 +206,8 @@ class TunedStudy:
                 criterion.judge(others.run(each, name, config.criterion))
                 for each in (config, self.after)
             ]
-            table.add_row(Text(name), *_compare(errors[0], errors[1], criterion))
+            power = 0.5 if criterion.squared else 1.0
+            table.add_row(Text(name), *compare(*errors, power).tell())
         found = "; ".join(
             f"{key} {attrgetter(key)(config):.4g} to {attrgetter(key)(self.after):.4g}"
             for part in self.parts
@@ -220,14 +221,33 @@ def _count_cells(cells: Sequence[Cell]) -> str:
     return f"{len(cells)} cell{'s' * (len(cells) != 1)}"
 
 
-def _compare(before: Array, after: Array, criterion: Criterion) -> list[str]:
-    """Return the errors of a scheme, and their change with its interval, in words.
+class Gain(NamedTuple):
+    """The change of a scheme's error from one tuning to another, on the same records.
+
+    before, after: geometric means of the error over the cells, in its unit.
+    change, low, high: geometric mean of after / before over records and cells, minus 1, and its
+        95 % interval, from the differences between the two, record by record.
+    """
+
+    before: float
+    after: float
+    change: float
+    low: float
+    high: float
+
+    def tell(self) -> list[str]:
+        """Return both errors, their change and its interval, in words."""
+        change, low, high = (100.0 * value for value in self[2:])
+        reach = f"{low:+z.1f} to {high:+z.1f} %"
+        return [f"{self.before:.3g}", f"{self.after:.3g}", f"{change:+z.1f} %", reach]
+
+
+def compare(before: Array, after: Array, power: float = 1.0) -> Gain:
+    """Compare a scheme's errors to some `power`.
 
     before, after: what is judged of each record, shape (cells, records).
     """
-    half = 0.5 if criterion.squared else 1.0
-    errors = [float(np.exp(half * _score(each[None]))) for each in (before, after)]
+    errors = [float(np.exp(power * _score(each[None]))) for each in (before, after)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        logs = gap(half * np.log(after / before).mean(axis=0))
-    change, low, high = (100.0 * float(np.expm1(value)) for value in logs[:3])
-    return [*(f"{e:.3g}" for e in errors), f"{change:+z.1f} %", f"{low:+z.1f} to {high:+z.1f} %"]
+        logs = gap(power * np.log(after / before).mean(axis=0))
+    return Gain(*errors, *(float(np.expm1(value)) for value in logs[:3]))

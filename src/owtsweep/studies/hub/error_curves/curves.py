@@ -99,16 +99,14 @@ class _Prober:
         shape (2, 2, n).
         """
 
-        def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
-            return np.asarray(
-                np.any(np.abs(predicted - computed) > MOTION_TOLERANCE * computed, axis=(0, 1))
-            )
+        def large(left: Array, right: Array, part: Array, values: Array) -> Array:
+            return np.asarray(np.any(part > MOTION_TOLERANCE * values, axis=(0, 1)))
 
         def answer(frequency: Array) -> Array:
             return self.energies(inputs.motion(frequency, self.sensors))
 
         first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
-        return nodes.refined(first, answer(first), answer, _between, wrong)
+        return nodes.refined(first, answer(first), answer, _between, large)
 
     def fixes(self) -> Array:
         """Sum the squared errors due to noise of variance 1 m^2 in the position fixes."""
@@ -165,16 +163,13 @@ class _Prober:
             return np.asarray(np.sum(weight * values, axis=-1))
         total = np.sum(weight * _between(number, first, values), axis=-1)
 
-        def large(left: Array, right: Array, part: Array) -> Array:
+        def large(left: Array, right: Array, part: Array, values: Array) -> Array:
             shares = upto[right.astype(int)] - upto[left.astype(int)]
             return np.asarray(
                 np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
             )
 
-        def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
-            return large(left, right, np.abs(predicted - computed))
-
-        curve = nodes.refined(first, values, answer, _between, wrong, matters=large, whole=True)
+        curve = nodes.refined(first, values, answer, _between, large, whole=True)
         return np.asarray(np.sum(weight * _between(number, *curve), axis=-1))
 
 

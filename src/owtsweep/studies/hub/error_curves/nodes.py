@@ -90,9 +90,8 @@ def refined(
     values: Array,
     answer: Callable[[Array], Array],
     between: Callable[[Array, Array, Array], Array],
-    wrong: Callable[[Array, Array, Array, Array], Array],
+    large: Callable[[Array, Array, Array, Array], Array],
     *,
-    matters: Callable[[Array, Array, Array], Array] | None = None,
     whole: bool = False,
 ) -> tuple[Array, Array]:
     """Halve the intervals between nodes, at most `HALVINGS` times, until interpolation is accurate.
@@ -100,11 +99,9 @@ def refined(
     nodes, values: the first n nodes, increasing, and the curve's values there, shape (..., n).
     answer: function of nodes that computes the curve's values at the nodes.
     between: function of (x, nodes, values) that interpolates the curve at x.
-    wrong: function of (left, right, predicted, computed): ends of intervals, and interpolated and
-        computed values in their middles. It says for each interval whether interpolation is too
-        inaccurate.
-    matters: function of (left, right, predicted) that says for each interval whether to compute the
-        curve in its middle; None to do so in every interval.
+    large: function of (left, right, part, values): ends of intervals, and an error and the curve's
+        values in their middles. It says for each interval whether an error of this size matters. An
+        interval in which the whole curve does not matter is not halved.
     whole: whether nodes must be whole numbers.
     Returns: all nodes, increasing, and the curve's values there.
     """
@@ -116,14 +113,12 @@ def refined(
             inside = (middle > left) & (middle < right)
             left, right, middle = left[inside], right[inside], middle[inside]
         predicted = between(middle, nodes, values)
-        if matters is not None:
-            some = matters(left, right, predicted)
-            left, middle, right = left[some], middle[some], right[some]
-            predicted = predicted[..., some]
+        some = large(left, right, predicted, predicted)
+        left, middle, right, predicted = left[some], middle[some], right[some], predicted[..., some]
         if not len(middle):
             break
         computed = answer(middle)
-        missed = wrong(left, right, predicted, computed)
+        missed = large(left, right, np.abs(predicted - computed), computed)
         order = np.argsort(np.append(nodes, middle), kind="stable")
         nodes = np.append(nodes, middle)[order]
         values = np.concatenate([values, computed], axis=-1)[..., order]

@@ -17,6 +17,7 @@ from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.listed import SCHEMES, resolve
 from owtsweep.studies.hub.peak import peak_factors
+from owtsweep.studies.hub.sensors import Sensors
 
 
 @dataclass(frozen=True)
@@ -132,3 +133,14 @@ def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Arr
     if config.normalise == "peak":
         expected *= peak_factors(config, periods)[:, None, None]
     return expected
+
+
+def noise_of(config: HubConfig, sensors: Sensors, curve: Curves) -> Array:
+    """Compute the error variance of each axis due to what the motion does not change.
+
+    That are noise, the initial bias and gravity, which are constant forces. The axes of the result
+    are axis (x, y), measure (position, velocity), window (full, settled).
+    """
+    bias = np.full(2, config.sensors.imu.bias_initial)
+    constant = sensors.rotation @ bias - np.array(sensors.gravity)
+    return curve.noise.sum(axis=0) + (constant**2)[:, None, None] * curve.constant

@@ -6,7 +6,6 @@ The columns are those of a study with records, but there are no confidence inter
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -17,11 +16,9 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Grid
 from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
-from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
-from owtsweep.results.superposition import superpose
 from owtsweep.results.verdicts import judge_exactly
-from owtsweep.statistics.contest import Contest, agree, contest, group_coinciding
+from owtsweep.statistics.contest import Contest, contest
 from owtsweep.studies.hub.conditions import JUDGED, criteria, find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import ask, make_cube
@@ -36,45 +33,10 @@ RESOLUTION = 1e-3
 MOST_CELLS = 2000
 
 
-@dataclass(frozen=True)
-class Expected:
-    """The expected mean square errors of schemes, of one measure in one window.
-
-    At amplitude N (m) the expected mean square error is N^2 motion + noise.
-
-    periods: natural periods, s, increasing.
-    motion, noise: mean square errors due to motion of 1 m and due to noise, shape
-        (schemes, periods) each.
-    """
-
-    schemes: tuple[str, ...]
-    periods: Array
-    motion: Array
-    noise: Array
-
-    def at(self, amplitudes: Array) -> Array:
-        """Compute the mean square errors at n amplitudes (m), shape (schemes, periods, n)."""
-        N = np.asarray(amplitudes, dtype=float)
-        return np.asarray(superpose(self.motion[..., None], 0.0, self.noise[..., None], N))
-
-
-def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
-    """Select one measure and one window from the rows that the expected engine has made.
-
-    Failed rows are left out, and so are rows of one amplitude, as SKF has, and schemes without
-    other rows.
-    """
-    rows = rows[rows["amplitude"].isna()]
-    # plain text instead of the store's categories, which sort differently
-    rows = rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
-    used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
-    present = tuple(name for name in schemes if (used["scheme"] == name).any())
-    tables: list[pd.DataFrame] = [
-        used.pivot(index="scheme", columns="natural_period", values=what).reindex(list(present))
-        for what in ("motion", "noise")
-    ]
-    periods = tables[0].columns.to_numpy(dtype=float)
-    return Expected(present, periods, tables[0].to_numpy(float), tables[1].to_numpy(float))
+def expect(cube: Cube, measure: str, window: str) -> Array:
+    """Return the mean square errors in a cube without records, (schemes, periods, amplitudes)."""
+    at = [cube.values_of(place, measure, window)[..., 0] for place in cube.outer_places()]
+    return np.stack(at, axis=1)
 
 
 def judge(values: Array) -> Contest:
@@ -146,13 +108,3 @@ def best_scheme(
         gain = table["mse_best"] - table["mse_baseline"]
         table["baseline_wins"] = gain > RESOLUTION * table["mse_baseline"]
     return table
-
-
-def coinciding(
-    rows: pd.DataFrame, schemes: Sequence[str], window: str, criteria: Sequence[str]
-) -> list[tuple[str, ...]]:
-    """Find groups of schemes whose errors from motion and from noise coincide by all criteria."""
-    curves = [expected(rows, schemes, criterion, window) for criterion in criteria]
-    names = curves[0].schemes
-    marks = np.concatenate([np.hstack([one.motion, one.noise]) for one in curves], axis=1)
-    return group_coinciding(names, lambda i, j: bool(np.all(agree(marks[i], marks[j]))))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -11,6 +11,8 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.figures.drawings import Drawing
+from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.studies.hub import describe
 from owtsweep.studies.hub.conditions import criteria
@@ -20,7 +22,7 @@ from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.schemes.skf import SCHEME
-from owtsweep.studies.hub.world import AMPLITUDE, NATURAL_PERIOD
+from owtsweep.studies.hub.world import AMPLITUDE, CONDITIONS, NATURAL_PERIOD
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,7 +49,7 @@ def drawings(
     """
     from owtsweep.studies.hub.figures import error_spectra
 
-    same = answers.coinciding(rows, scheme_names(config), config.measures.window, criteria(config))
+    same = _find_alike(config, rows, criteria(config))
     periods = set(rows["natural_period"])
     if len(periods) > MOST_PERIODS:
         periods = set()
@@ -58,6 +60,14 @@ def drawings(
         **listing.list_efficiency(config, tables["summary"]),
     }
     return listing.save_each(drawn, describe_origin(config), metadata)
+
+
+def _find_alike(
+    config: HubConfig, rows: pd.DataFrame, criteria: Sequence[str]
+) -> list[tuple[str, ...]]:
+    """Find groups of schemes with equal errors by all criteria, in the window that is judged."""
+    judged = rows[rows["window"] == config.measures.window]
+    return find_coinciding(describe.make_cube(config, judged), criteria)
 
 
 def draw_map(
@@ -72,7 +82,7 @@ def draw_map(
     from owtsweep.figures import smooth_map, style
 
     names, window, grid = scheme_names(config), config.measures.window, config.grid
-    same = answers.coinciding(rows, names, window, (criterion,))
+    same = _find_alike(config, rows, (criterion,))
     smooth = (
         len(grid.natural_period) > 1
         and len(grid.amplitude) > 1
@@ -84,14 +94,16 @@ def draw_map(
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     done = set(rows.loc[rows["status"] == OK, "scheme"])
-    baselines = list_baselines(config)
-    computed = [name for name in (*names, *baselines) if name in done]
-    fine = engine.rows_of(config, computed, periods.tolist())
-    expected = answers.expected(fine, names, criterion, window)
-    values = expected.at(amplitudes)
+    schemes, baselines = (
+        [name for name in each if name in done] for each in (names, list_baselines(config))
+    )
+    fine = engine.rows_of(config, [*schemes, *baselines], periods.tolist())
+    places = {NATURAL_PERIOD.name: periods.tolist(), AMPLITUDE.name: amplitudes.tolist()}
+    cube = Cube.of_rows(fine, [*schemes, *baselines], CONDITIONS, places)
+    errors = answers.expect(cube, criterion, window)
+    values, beside = errors[: len(schemes)], errors[len(schemes) :]
     verdict = answers.judge(values)
-    beside = answers.expected(fine, baselines, criterion, window)
-    winning, lead = answers.find_winning(beside.at(amplitudes), verdict.mse_best)
+    winning, lead = answers.find_winning(beside, verdict.mse_best)
     amplitude = f"amplitude: {MEANING[config.normalise]} along the waves"
     field = smooth_map.Field(
         across=NATURAL_PERIOD,
@@ -106,15 +118,15 @@ def draw_map(
         baseline=winning,
         lead=lead,
     )
-    won = [name for place, name in enumerate(beside.schemes) if (winning == place).any()]
+    won = [name for place, name in enumerate(baselines) if (winning == place).any()]
     return smooth_map.draw(
         field,
-        expected.schemes,
+        schemes,
         title=f"Best scheme by expected {criterion} MSE\n"
         f"{style.describe_window(window)}, tuning: {config.tuning_name}, no records",
         origin="All values are expectations over all records, computed from error spectra and "
         "noise without any record.",
         coinciding=same,
-        baselines=beside.schemes,
+        baselines=baselines,
         notes=[*describe.explain(won), describe.tell_window(window)],
     )

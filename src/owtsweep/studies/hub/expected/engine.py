@@ -19,7 +19,12 @@ from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import list_content
-from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curves_of, motion_of
+from owtsweep.studies.hub.error_curves.of_schemes import (
+    EXPECTED_VERSION,
+    curves_of,
+    motion_of,
+    noise_of,
+)
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.listed import SCHEMES, resolve_all
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
@@ -90,10 +95,7 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
     sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)
     motion = motion_of(config, curve, periods)
-    # (axis, measure, window); the initial bias and gravity are constant forces
-    bias = np.full(2, config.sensors.imu.bias_initial)
-    constant = sensors.rotation @ bias - np.array(sensors.gravity)
-    noise = curve.noise.sum(axis=0) + (constant**2)[:, None, None] * curve.constant
+    noise = noise_of(config, sensors, curve)
     angle = np.deg2rad(config.wave_direction)
     along = (np.cos(angle) ** 2, np.sin(angle) ** 2)
     steps = round(config.record.duration / sensors.step)

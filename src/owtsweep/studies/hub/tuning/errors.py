@@ -24,7 +24,7 @@ from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.describe import make_cube
 from owtsweep.studies.hub.error_curves.curves import curves
-from owtsweep.studies.hub.error_curves.of_schemes import motion_of
+from owtsweep.studies.hub.error_curves.of_schemes import motion_of, noise_of
 from owtsweep.studies.hub.listed import resolve
 
 #: Length of the records of whose settled part the errors are the mean, and the part left out, s. A
@@ -59,9 +59,7 @@ def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
     curve = curves(chain, sensors, steps=steps, settled=settled, band=band)
     measure, shares = _parts(config)
     motion = motion_of(config, curve, config.grid.natural_period)[:, measure, 1]
-    bias = np.full(2, config.sensors.imu.bias_initial)
-    constant = sensors.rotation @ bias - np.array(sensors.gravity)
-    noise = curve.noise[:, measure, 1].sum() + constant**2 * curve.constant[measure, 1]
+    noise = noise_of(config, sensors, curve)[:, measure, 1]
     cells = [
         superpose(share * motion[:, None], 0.0, floor, amplitudes(config))
         for share, floor in zip(shares, noise, strict=True)

@@ -6,21 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from owtsweep._version import __version__
-from owtsweep.arrays import Array
 from owtsweep.config import Plain, with_values
 from owtsweep.errors import require
 from owtsweep.io.parted_table import start_table
-from owtsweep.statistics.contrasts import gap
-from owtsweep.studies.base.tuning.tuned import dump_tuning, require_other_seed
+from owtsweep.studies.base.tuning.tuned import Gain, compare, dump_tuning, require_other_seed
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.describe import describe_truth
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.tuning.errors import amplitudes, errors_on_records, score
+from owtsweep.studies.hub.tuning.errors import amplitudes, errors_on_records
 from owtsweep.studies.hub.tuning.search import find_space, search
 
 if TYPE_CHECKING:
@@ -106,22 +102,19 @@ class TunedSchemes:
 
         config = self.before
         gains = judge(config, self.after, list(self.best))
-        bound, unit = kalman_bound(config), self._unit()
+        bound = kalman_bound(config)
+        unit = "(m/s)²" if config.measures.criterion == "velocity" else "m²"
         table = start_table(
             f"Mean square error of {config.measures.criterion}, {config.tuning_name} and tuned,"
             f" amplitudes {_range(config)}\nTruth: {describe_truth(config)}; "
             f"{config.tune.replicates} records per natural period, seed {config.seed}"
         )
-        for column in ("scheme", f"{config.tuning_name} ({unit})", f"tuned ({unit})", "change"):
-            table.add_column(column, justify="left" if column == "scheme" else "right")
-        table.add_column("95 %", justify="right")
-        table.add_column("tuned / bound", justify="right")
+        table.add_column("scheme")
+        before, after = f"{config.tuning_name} ({unit})", f"tuned ({unit})"
+        for column in (before, after, "change", "95 %", "tuned / bound"):
+            table.add_column(column, justify="right")
         for name, gain in gains.items():
-            reach = f"{100 * gain.low:+z.1f} to {100 * gain.high:+z.1f} %"
-            table.add_row(
-                Text(name), f"{gain.before:.3g}", f"{gain.after:.3g}",
-                f"{100 * gain.change:+z.1f} %", reach, f"{gain.after / bound:.2f}",
-            )  # fmt: skip
+            table.add_row(Text(name), *gain.tell(), f"{gain.after / bound:.2f}")
         text = (
             f"Bound: {bound:.3g} {unit}, the least error of an estimator that assumes nothing "
             "about the motion. MSE are geometric means over natural periods and amplitudes, after "
@@ -129,43 +122,17 @@ class TunedSchemes:
         )
         return Group(table, Text(text))
 
-    def _unit(self) -> str:
-        return "(m/s)²" if self.before.measures.criterion == "velocity" else "m²"
-
 
 def _range(config: HubConfig) -> str:
     judged = amplitudes(config)
     return f"{judged[0]:g} to {judged[-1]:g} m"
 
 
-@dataclass(frozen=True)
-class Gain:
-    """The change of a scheme's error from one tuning to another, on the same records.
-
-    before, after: geometric mean over natural periods and amplitudes of the settled MSE, m^2 or
-        (m/s)^2.
-    change: geometric mean of after / before over records, natural periods and amplitudes, minus 1.
-    low, high: the 95 % interval of `change`, from the differences between the two, record by
-        record.
-    """
-
-    before: float
-    after: float
-    change: float
-    low: float
-    high: float
-
-
 def judge(before: HubConfig, after: HubConfig, schemes: Sequence[str]) -> dict[str, Gain]:
     """Run schemes with two tunings on the same records; return what each has gained."""
     count = before.tune.replicates
-    errors = [errors_on_records(config, schemes, count) for config in (before, after)]
-    return {name: _compare(*parts) for name, *parts in zip(schemes, *errors, strict=True)}
-
-
-def _compare(before: Array, after: Array) -> Gain:
-    """Compare the errors of one scheme, shape (periods, amplitudes, replicates) each."""
-    ratios = np.mean(np.log(after / before), axis=(0, 1))
-    logs = gap(ratios)
-    changes = (float(np.expm1(value)) for value in (logs.value, logs.low, logs.high))
-    return Gain(score(before.mean(axis=-1)), score(after.mean(axis=-1)), *changes)
+    errors = [
+        errors_on_records(config, schemes, count).reshape(len(schemes), -1, count)
+        for config in (before, after)
+    ]
+    return {name: compare(*parts) for name, *parts in zip(schemes, *errors, strict=True)}
