@@ -17,7 +17,7 @@ from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds
 from owtsweep.studies import compose
 from owtsweep.studies.hub import estimates
-from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.chain import Chain, Parts
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.models import FORCE, POSITION
 from owtsweep.studies.hub.records import make_records
@@ -116,7 +116,7 @@ def _filterpy(job: Job) -> Callable[[], np.ndarray]:
     import filterpy  # noqa: F401
 
     def work() -> np.ndarray:
-        kf = MultirateKalmanFilter(job.chain.axis, np.eye(2), "proper")
+        kf = MultirateKalmanFilter(Parts(job.chain.axis, "proper"), np.eye(2))
         out = np.empty((job.steps, 8))
         for k, z, has_fix in _measurements(job):
             out[k] = kf.step(z[-2:], z[:2] if has_fix else None).x

@@ -16,6 +16,7 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete, powers, prediction_noise
 from owtsweep.estimation.gains import GainSchedule, schedule, smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
+from owtsweep.studies.hub.fix_rules import PLAIN, FixRule
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
@@ -179,28 +180,40 @@ def _precision(covariance: Array) -> Array:
 _ROWS_AT_ONCE = 8192
 
 
-def chain(
-    axis: AxisFilter,
-    sensors: Sensors,
-    *,
-    rule: str,
-    input_delay: int = 0,
-    window: int = 0,
-    predict: Discrete | None = None,
-    horizon: Horizon | None = None,
-    steps: int = LONGEST_TRANSIENT,
-) -> Chain:
-    """Make a chain from the models of its parts.
+@dataclass(frozen=True)
+class Parts:
+    """The parts of a linear scheme: [MHE ->] filter [-> smoother -> predictor].
 
     axis: the filter's model and variances for one axis.
     rule: how a step without a position fix is treated, one of `estimation.gains.RULES`.
+    fix_rule: how much the positions count that the filter gets; no matter to `chain`.
     input_delay: number of steps by which the specific force is delayed (the paper's register 1).
     window: the smoother's lag N_s in steps; 0 for no smoother.
-    predict: the predictor's model over one step, with the states position, velocity, bias. It
-        predicts over input_delay + window steps.
+    predict: the predictor's model over one step, with the states position, velocity, bias; None if
+        the filter's state is the estimate. It predicts over input_delay + window steps.
     horizon: the MHE whose positions replace the position fixes.
-    steps: length of the longest record. Gains are stored for at most so many steps.
     """
+
+    axis: AxisFilter
+    rule: str
+    fix_rule: FixRule = PLAIN
+    input_delay: int = 0
+    window: int = 0
+    predict: Discrete | None = None
+    horizon: Horizon | None = None
+
+    @property
+    def ahead(self) -> int:
+        """Number of steps over which the predictor predicts."""
+        return 0 if self.predict is None else self.input_delay + self.window
+
+
+def chain(parts: Parts, sensors: Sensors, steps: int = LONGEST_TRANSIENT) -> Chain:
+    """Make a chain from its parts.
+
+    `steps` is the length of the longest record. Gains are stored for at most so many steps.
+    """
+    axis, window, horizon = parts.axis, parts.window, parts.horizon
     M = sensors.fix_interval
     gains = schedule(
         axis.model,
@@ -211,7 +224,7 @@ def chain(
         initial_covariance=axis.initial_covariance,
         interval=horizon.interval if horizon else M,
         steps=min(steps, LONGEST_TRANSIENT),
-        rule=rule,
+        rule=parts.rule,
         start_interval=M,
         start_steps=horizon.first * M if horizon else 0,
     )
@@ -219,7 +232,6 @@ def chain(
         C, D = smoother_gains(gains, axis.model.A, window)
     else:
         C, D = np.zeros((1, 4, 4)), np.zeros((1, 4, 2))
-    ahead = input_delay + window if predict is not None else 0
     return Chain(
         gains=gains,
         filter=FilterArrays(
@@ -231,14 +243,14 @@ def chain(
             C=C,
             D=D,
             cycle=gains.cycle,
-            input_delay=input_delay,
+            input_delay=parts.input_delay,
             window=window,
             fix_interval=M,
         ),
-        predictor=predictor_arrays(predict, ahead, sensors.step),
+        predictor=predictor_arrays(parts.predict, parts.ahead, sensors.step),
         mhe=horizon.arrays(gains, sensors) if horizon else NO_HORIZON,
         axis=axis,
-        input_model=predict,
+        input_model=parts.predict,
     )
 
 

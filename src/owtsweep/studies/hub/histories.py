@@ -104,16 +104,20 @@ def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, V
     return {name: values[0] for name, values in grid.items()} | nearest
 
 
-def _make_record(config: HubConfig) -> tuple[Records, float, float, str]:
-    """Return replicate 0, natural period (s), the factor on its motion, and its sea in words."""
+def make_record(
+    config: HubConfig, sea: Mapping[str, float]
+) -> tuple[Records, float, float, dict[str, Value]]:
+    """Return replicate 0, its natural period (s), the factor on its motion, and its conditions.
+
+    There are conditions only with motion=plant; `sea` is as for `choose_sea`.
+    """
     world = find_world(config)
     if world.has_spectrum:
         period = natural_period_of(config)
-        return make_records(config, period, [0]), period, AMPLITUDE, ""
-    conditions = choose_sea(config)
+        return make_records(config, period, [0]), period, AMPLITUDE, {}
+    conditions = choose_sea(config, sea)
     period = 1.0 / float(make_plant(config, conditions).vibration.frequency[0])
-    records, sea = make_records_at(config, conditions, [0]), world.describe_values(conditions)
-    return records, period, 1.0, sea
+    return make_records_at(config, conditions, [0]), period, 1.0, conditions
 
 
 def simulate_histories(config: HubConfig) -> Histories:
@@ -123,7 +127,7 @@ def simulate_histories(config: HubConfig) -> Histories:
     motion=plant it is that of the sea state nearest to `SEA`. Schemes without a kernel, and those
     that refuse the tuning, are listed in `left_out`.
     """
-    records, period, factor, sea = _make_record(config)
+    records, period, factor, conditions = make_record(config, SEA)
     sensors, motion = records.sensors, records.motion[0]
     signal = [
         factor * np.outer(series, records.direction)
@@ -151,8 +155,8 @@ def simulate_histories(config: HubConfig) -> Histories:
             estimated[scheme.name] = _estimate(chain, sensors, force, fixes)
     return Histories(
         natural_period=period,
-        amplitude=float(factor * np.abs(motion.position).max()) if sea else AMPLITUDE,
-        sea=sea,
+        amplitude=float(factor * np.abs(motion.position).max()) if conditions else AMPLITUDE,
+        sea=find_world(config).describe_values(conditions) if conditions else "",
         time=T * np.arange(records.steps),
         position=signal[0],
         velocity=signal[1],

@@ -207,7 +207,7 @@ class TunedStudy:
                 for each in (config, self.after)
             ]
             power = 0.5 if criterion.squared else 1.0
-            table.add_row(Text(name), *compare(*errors, power).tell())
+            table.add_row(Text(name), *compare(errors[0], errors[1], power).tell())
         found = "; ".join(
             f"{key} {attrgetter(key)(config):.4g} to {attrgetter(key)(self.after):.4g}"
             for part in self.parts

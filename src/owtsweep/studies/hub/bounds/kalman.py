@@ -32,12 +32,7 @@ def kalman_bound(config: HubConfig) -> float:
 def kalman_bounds(config: HubConfig) -> dict[str, float]:
     """Compute measure -> bound of its MSE, m^2 or (m/s)^2, for the sensors of a configuration."""
     position, velocity = bound_of_axis(sensing.sensors(config.sensors))
-    return {
-        "position": 2.0 * position,
-        "velocity": 2.0 * velocity,
-        "x": position,
-        "y": position,
-    }
+    return {"position": 2.0 * position, "velocity": 2.0 * velocity, "x": position, "y": position}
 
 
 def bound_of_axis(sensors: Sensors) -> tuple[float, float]:

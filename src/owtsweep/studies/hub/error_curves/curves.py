@@ -8,7 +8,7 @@ become periodic is assumed to stay periodic.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,11 +53,11 @@ class Curves:
 
     def at(self, frequency: Array) -> Array:
         """Interpolate `motion` at m frequencies (Hz) inside its band; shape (2, 2, m)."""
-        return _between(frequency, self.frequency, self.motion)
+        return nodes.between(frequency, self.frequency, self.motion)
 
 
 def curves(
-    chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: tuple[float, float]
+    chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: Sequence[float]
 ) -> Curves:
     """Compute the expected errors of a chain by running it on test inputs.
 
@@ -92,7 +92,7 @@ class _Prober:
         self.scales = nodes.scales(chain, sensors)
         self.energies = Workspace(chain, sensors, steps, settled).energies
 
-    def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
+    def motion(self, band: Sequence[float]) -> tuple[Array, Array]:
         """Sum the squared errors due to sinusoidal motion at n frequencies in a band (Hz).
 
         Return the frequencies, chosen so that interpolation between them is accurate, and the sums,
@@ -106,7 +106,7 @@ class _Prober:
             return self.energies(inputs.motion(frequency, self.sensors))
 
         first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
-        return nodes.refined(first, answer(first), answer, _between, large)
+        return nodes.refined(first, answer(first), answer, large)
 
     def fixes(self) -> Array:
         """Sum the squared errors due to noise of variance 1 m^2 in the position fixes."""
@@ -161,7 +161,7 @@ class _Prober:
         values = answer(first)
         if len(first) < 2:
             return np.asarray(np.sum(weight * values, axis=-1))
-        total = np.sum(weight * _between(number, first, values), axis=-1)
+        total = np.sum(weight * nodes.between(number, first, values), axis=-1)
 
         def large(left: Array, right: Array, part: Array, values: Array) -> Array:
             shares = upto[right.astype(int)] - upto[left.astype(int)]
@@ -169,24 +169,5 @@ class _Prober:
                 np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
             )
 
-        curve = nodes.refined(first, values, answer, _between, large, whole=True)
-        return np.asarray(np.sum(weight * _between(number, *curve), axis=-1))
-
-
-def _between(x: Array, at: Array, values: Array) -> Array:
-    """Interpolate curves that are nowhere negative at x, given values (..., n) at the n nodes `at`.
-
-    Interpolation is by monotone cubics in the logarithms of both axes. Beyond the nodes, curves are
-    constant. A curve that is zero stays zero: a baseline has no error due to noise that it does not
-    use.
-    """
-    from scipy.interpolate import PchipInterpolator
-
-    least = np.finfo(float).tiny  # stands for 0, which has no logarithm
-    logs = np.log(np.maximum(values, least))
-    if len(at) < 2:
-        result = np.exp(np.repeat(logs, len(x), axis=-1))
-    else:
-        curve = PchipInterpolator(np.log(at), logs, axis=-1)
-        result = np.exp(curve(np.log(np.clip(x, at[0], at[-1]))))
-    return np.where(result > 2.0 * least, result, 0.0)
+        curve = nodes.refined(first, values, answer, large, whole=True)
+        return np.asarray(np.sum(weight * nodes.between(number, *curve), axis=-1))

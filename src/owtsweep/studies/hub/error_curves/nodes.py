@@ -9,7 +9,7 @@ Intervals between nodes are then halved until interpolation is accurate enough.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,7 +52,7 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
     return Scales(min(1.0 / max(window, 1e-9), widest), 1.0 / max(lag, 1e-9), rate)
 
 
-def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
+def over_band(band: Sequence[float], scales: Scales, duration: float) -> Array:
     """Return the first nodes in a band, both edges included, Hz, increasing.
 
     `duration` is that of a record, s.
@@ -89,7 +89,6 @@ def refined(
     nodes: Array,
     values: Array,
     answer: Callable[[Array], Array],
-    between: Callable[[Array, Array, Array], Array],
     large: Callable[[Array, Array, Array, Array], Array],
     *,
     whole: bool = False,
@@ -98,7 +97,6 @@ def refined(
 
     nodes, values: the first n nodes, increasing, and the curve's values there, shape (..., n).
     answer: function of nodes that computes the curve's values at the nodes.
-    between: function of (x, nodes, values) that interpolates the curve at x.
     large: function of (left, right, part, values): ends of intervals, and an error and the curve's
         values in their middles. It says for each interval whether an error of this size matters. An
         interval in which the whole curve does not matter is not halved.
@@ -125,3 +123,22 @@ def refined(
         left, middle, right = left[missed], middle[missed], right[missed]
         left, right = np.sort([*left, *middle]), np.sort([*middle, *right])
     return nodes, values
+
+
+def between(x: Array, at: Array, values: Array) -> Array:
+    """Interpolate curves that are nowhere negative at x, given values (..., n) at the n nodes `at`.
+
+    Interpolation is by monotone cubics in the logarithms of both axes. Beyond the nodes, curves are
+    constant. A curve that is zero stays zero: a baseline has no error due to noise that it does not
+    use.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    least = np.finfo(float).tiny  # stands for 0, which has no logarithm
+    logs = np.log(np.maximum(values, least))
+    if len(at) < 2:
+        result = np.exp(np.repeat(logs, len(x), axis=-1))
+    else:
+        curve = PchipInterpolator(np.log(at), logs, axis=-1)
+        result = np.exp(curve(np.log(np.clip(x, at[0], at[-1]))))
+    return np.where(result > 2.0 * least, result, 0.0)

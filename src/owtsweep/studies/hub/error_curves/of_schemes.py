@@ -97,7 +97,6 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
     settled = config.measures.find_settled(sensors.step)
-    band = (config.band[0], config.band[1])
     entry = {resolve(entry).name: entry for entry in SCHEMES.list_entries(config)}[name]
     scheme = resolve(entry)
     what = {
@@ -107,12 +106,12 @@ def curves_of(config: HubConfig, name: str) -> Curves:
         "scheme": SCHEMES.describe_content(config, entry, scheme),
         "steps": steps,
         "settled": settled,
-        "band": list(band),
+        "band": list(config.band),
     }
 
     def compute() -> dict[str, Array]:
         chain = scheme.kernel(Known(sensors, config), steps)
-        return vars(curves(chain, sensors, steps=steps, settled=settled, band=band))
+        return vars(curves(chain, sensors, steps=steps, settled=settled, band=config.band))
 
     if SCHEMES.explain_recompute(scheme):
         return Curves(**compute())
@@ -143,4 +142,5 @@ def noise_of(config: HubConfig, sensors: Sensors, curve: Curves) -> Array:
     """
     bias = np.full(2, config.sensors.imu.bias_initial)
     constant = sensors.rotation @ bias - np.array(sensors.gravity)
-    return curve.noise.sum(axis=0) + (constant**2)[:, None, None] * curve.constant
+    of_constant = (constant**2)[:, None, None] * curve.constant
+    return np.asarray(curve.noise.sum(axis=0) + of_constant)

@@ -6,8 +6,6 @@ pair's, at once.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from owtsweep.arrays import Array, aligned, make_mixed_rows, make_rows
@@ -42,20 +40,19 @@ class Workspace:
         self.sensors, self.steps, self.settled = sensors, steps, settled
         self.chunk, self.lead = batch.chunk_of(chain)[0], batch.lead_of(chain)
         self.no_fixes = aligned(fix_count(steps, sensors.fix_interval), 2 * LANES)
-        self.pairs: list[PairMemory] = []
+        #: Of each pair: the memory of its scheme, and `Buffers.force` and `Buffers.wave`.
+        self.pairs: list[tuple[Memory, Array, Array]] = []
 
-    def pair(self, number: int) -> PairMemory:
-        """Return the memory, set to zero, of a pair, which are numbered from 0 without gaps."""
+    def pair(self, number: int) -> tuple[Memory, Array, Array]:
+        """Return the item of `pairs` with this number, set to zero; the next one is made."""
         if number == len(self.pairs):
             count = self.lead + 2 * self.chunk
             memory = new_memory(self.arrays, 2 * LANES, self.chunk)
-            self.pairs.append(
-                PairMemory(memory, aligned(count, 2 * LANES), aligned(count, 4 * LANES))
-            )
-        pair = self.pairs[number]
-        for array in (*pair.memory, pair.force, pair.wave):
+            self.pairs.append((memory, aligned(count, 2 * LANES), aligned(count, 4 * LANES)))
+        memory, force, wave = self.pairs[number]
+        for array in (*memory, force, wave):
             array.view(np.float64).fill(0.0)
-        return pair
+        return memory, force, wave
 
     def energies(self, probe: Probe) -> Array:
         """Compute the sums of squared errors over a record for each of the probe's n sinusoids.
@@ -83,20 +80,18 @@ class Workspace:
         # step of the first test for repetition; none for single sines, whose sums oscillate
         earliest = max(filling(self.chain), self.settled) + (JUDGED + 1) * self.cycle
         done = _together(pairs, self.steps, earliest if probe.phasor else self.steps + 1)
-        sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
+        sums = _gather(pairs, "sums")
         if done < self.steps:
-            ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
+            ring = _gather(pairs, "ring")
             complete = np.delete(ring, (done // self.cycle) % len(ring), axis=0)
             sums[1] += complete.mean(axis=0) * ((self.steps - done) / self.cycle)
         return np.stack([sums[0] + sums[1], sums[1]], axis=1)
 
 
-class PairMemory(NamedTuple):
-    """The memory of a pair: a scheme's, and `Buffers.force` and `Buffers.wave`."""
-
-    memory: Memory
-    force: Array
-    wave: Array
+def _gather(pairs: list[_Pair], name: str) -> Array:
+    """Return an array of all pairs' `Buffers`, by sinusoid on its last axis."""
+    parts = [getattr(pair.buffers, name)[..., : pair.course.lanes] for pair in pairs]
+    return np.concatenate(parts, axis=-1)
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
@@ -123,7 +118,7 @@ class _Pair:
     """
 
     def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
-        self.space, self.probe, self.cycle = space, probe, space.cycle
+        self.space, self.cycle = space, space.cycle
         self.memory, force, wave = space.pair(number)
         self.waves = _waves(probe, space)
         self.course = Course(
@@ -150,30 +145,17 @@ class _Pair:
             self.memory,
         )  # fmt: skip
 
-    @property
-    def sums(self) -> Array:
-        """The sums of squared errors; axes are part (before, after settling), measure, sinusoid."""
-        return self._of_lanes(self.buffers.sums)
-
-    @property
-    def ring(self) -> Array:
-        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid."""
-        return self._of_lanes(self.buffers.ring)
-
-    def _of_lanes(self, sums: Array) -> Array:
-        return sums[..., : len(self.probe.angle)]
-
 
 def _waves(probe: Probe, space: Workspace) -> Waves:
     angle = _in_lanes(probe.angle, probe.phasor)
+    # a quarter turn makes cosines of the sines in the first eight lanes
+    quarter = np.repeat([0.5 * np.pi if probe.phasor else 0.0, 0.0], LANES)
     shift = np.broadcast_to(probe.shift, probe.angle.shape)
-    shift = _in_lanes(shift, probe.phasor) + _quarter_turns(probe.phasor)
+    shift = _in_lanes(shift, probe.phasor) + quarter
     blocks = -(-space.steps // BLOCK)
     start = np.exp(1j * (angle * (BLOCK * np.arange(blocks)[:, None]) + shift))
-    now, turn = (
-        make_rows(1, 2 * LANES, "c", "s", "turn_c", "turn_s", "force", "rate"),
-        np.exp(1j * angle),
-    )
+    now = make_rows(1, 2 * LANES, "c", "s", "turn_c", "turn_s", "force", "rate")
+    turn = np.exp(1j * angle)
     now["turn_c"], now["turn_s"] = turn.real, turn.imag
     now["force"] = _in_lanes(probe.force, probe.phasor)
     now["rate"] = angle / space.sensors.step
@@ -204,8 +186,3 @@ def _in_lanes(values: Array, phasor: bool) -> Array:
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
     return np.concatenate([filled, filled], axis=-1) if phasor else filled
-
-
-def _quarter_turns(phasor: bool) -> Array:
-    """Return the phases (16,), rad, that make cosines of the sines in the first eight lanes."""
-    return np.repeat([0.5 * np.pi if phasor else 0.0, 0.0], LANES)

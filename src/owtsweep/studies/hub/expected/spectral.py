@@ -61,11 +61,8 @@ def find_expected_errors(
     omega = 2.0 * np.pi * truth.frequency[truth.density > 0.0]
     power = truth.density[truth.density > 0.0] * truth.spacing
     seen = (omega, sensing.force_per_displacement(omega, sensors), sensors.step)
-    noise = (
-        sensors.force_sigma**2,
-        sensors.position_sigma**2,
-        sensors.bias_walk**2 * sensors.step,
-    )
+    walk = sensors.bias_walk**2 * sensors.step
+    noise = sensors.force_sigma**2, sensors.position_sigma**2, walk
     true, stated = np.empty((2, 2)), np.empty((2, 2))
     for number, axis in enumerate(axes):
         model, rows, outputs = axis.model, axis.gains.find(LONGEST_TRANSIENT), axis.outputs

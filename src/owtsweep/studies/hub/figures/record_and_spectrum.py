@@ -7,6 +7,7 @@ spectrum of the paper's Eq. (1), or with motion=plant by the structure in the se
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,13 +18,10 @@ from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.motion.spectra import Spectrum, spectrum, translated
-from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import MEANING
-from owtsweep.studies.hub.histories import choose_sea, natural_period_of
+from owtsweep.studies.hub.histories import make_record
 from owtsweep.studies.hub.plant import PLANT
-from owtsweep.studies.hub.records import make_records, make_records_at
-from owtsweep.studies.hub.seas import make_plant
 
 #: Segment length of Welch's estimate, s: long enough to resolve the peak of Eq. (1), whose
 #: half-bandwidth is 1/64 Hz.
@@ -145,37 +143,26 @@ def _mark_peaks(axes: Axes, peaks: dict[str, float]) -> None:
 
 def _first_record(config: HubConfig) -> Displacement:
     """Make record 0; with motion=plant that of the sea state nearest to `SEA`."""
-    if not find_world(config).has_spectrum:
-        return _first_record_of_plant(config)
-    period = natural_period_of(config)
-    records = make_records(config, period, [0])
-    return Displacement(
-        series=np.outer(records.motion[0].position, records.direction),
-        step=records.sensors.step,
-        natural_period=period,
-        title=f"natural period {period:g} s",
-        made_of="spectrum of Eq. (1)",
-        size=f"{MEANING[config.normalise]} 1 m along the waves",
-        given=spectrum(config.spectrum.kind, period, config.spectrum.bandwidth),
-        given_label="S(f), Eq. (1), scaled",
-        peaks={},
-    )
-
-
-def _first_record_of_plant(config: HubConfig) -> Displacement:
-    conditions = choose_sea(config, SEA)
-    first = float(make_plant(config, conditions).vibration.frequency[0])
-    records = make_records_at(config, conditions, [0])
+    records, period, _, conditions = make_record(config, SEA)
     position = records.motion[0].position
-    return Displacement(
-        series=np.outer(position, records.direction),
-        step=records.sensors.step,
-        natural_period=1.0 / first,
-        title=f"{PLANT.describe_values(conditions)}: natural period {1.0 / first:.2f} s",
+    make = partial(
+        Displacement, np.outer(position, records.direction), records.sensors.step, period
+    )
+    if not conditions:
+        return make(
+            title=f"natural period {period:g} s",
+            made_of="spectrum of Eq. (1)",
+            size=f"{MEANING[config.normalise]} 1 m along the waves",
+            given=spectrum(config.spectrum.kind, period, config.spectrum.bandwidth),
+            given_label="S(f), Eq. (1), scaled",
+            peaks={},
+        )
+    return make(
+        title=f"{PLANT.describe_values(conditions)}: natural period {period:.2f} s",
         made_of="answer of the structure to a sea",
         size=f"along the waves rms {position.std():.2f} m, largest displacement "
         f"{np.abs(position).max():.2f} m",
-        given=translated(1.0 / first),
+        given=translated(period),
         given_label="S(f), Eq. (1) with Table 4's\nwidth, scaled",
-        peaks={"first mode": first, "peak of the waves": 1.0 / float(conditions["tp"])},
+        peaks={"first mode": 1.0 / period, "peak of the waves": 1.0 / float(conditions["tp"])},
     )

@@ -58,9 +58,8 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     rows = []
     for name, of_scheme in errors.items():
         for measure in UNITS:
-            parts = dict.fromkeys(SOURCES, float("nan"))
-            if of_scheme.floor is not None:
-                parts = {source: getattr(of_scheme.floor, measure)[source] for source in SOURCES}
+            none = dict.fromkeys(SOURCES, np.nan)
+            parts = none if of_scheme.floor is None else getattr(of_scheme.floor, measure)
             for source, value in {**parts, "all": sum(parts.values())}.items():
                 rows.append((name, measure, source, value))
     return pd.DataFrame(rows, columns=["scheme", "measure", "source", "mse"])
@@ -86,8 +85,7 @@ def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
     table.add_column("of")
     for source in (*SOURCES, "all"):
         table.add_column(source, justify="right")
-    for key, rows in noise.groupby(["scheme", "measure"], sort=False):
-        name, measure = map(str, key)
+    for (name, measure), rows in noise.groupby(["scheme", "measure"], sort=False):
         cells = [*["-"] * len(SOURCES), "does not settle"]
         if rows["mse"].notna().all():
             unit = {"position": "cm", "velocity": "cm/s"}[measure]

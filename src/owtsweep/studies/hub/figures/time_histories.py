@@ -177,10 +177,8 @@ def _drift(
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
     """Make the panel of the errors of x in the `view`, or of accumulated errors without one."""
     truth = getattr(histories, quantity)
-    estimates = {name: _estimate(histories, name, quantity) for name in names}
-    errors = {
-        name: (time, values - truth[: len(values)]) for name, (time, values) in estimates.items()
-    }
+    estimates = ((name, *_estimate(histories, name, quantity)) for name in names)
+    errors = {name: (time, values - truth[: len(values)]) for name, time, values in estimates}
     schemes = list(histories.estimated)
     if view is None:
         return show_accumulated(errors, schemes, quantity, float(histories.time[-1]))

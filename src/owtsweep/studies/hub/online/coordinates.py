@@ -18,9 +18,8 @@ from owtsweep.errors import InputError
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.horizon import Horizon
+from owtsweep.studies.hub.chain import Parts
 from owtsweep.studies.hub.kernels.online_layout import OnlineEstimates
-from owtsweep.studies.hub.models import AxisFilter
 from owtsweep.studies.hub.sensors import Sensors
 
 #: Largest distance in m of the first fix from a stated origin: no motion goes so far, so the fixes
@@ -49,17 +48,18 @@ def check_origin(origin: object) -> Array | None:
     return point
 
 
-def start_at_first_fix(axis: AxisFilter, mhe: Horizon | None) -> tuple[AxisFilter, Horizon | None]:
+def start_at_first_fix(parts: Parts) -> Parts:
     """Raise the variance of the first position, so that the first fix alone decides the position.
 
     It is left where it already is at least `LEAST_RATIO` times that of a fix.
     """
+    axis, mhe = parts.axis, parts.horizon
     first = _raise_variance(axis.initial_covariance, axis.position_variance)
     axis = replace(axis, initial_covariance=first)
     if mhe is not None:
         first = _raise_variance(mhe.initial_covariance, mhe.weights.fix_variance)
         mhe = replace(mhe, initial_covariance=first)
-    return axis, mhe
+    return replace(parts, axis=axis, horizon=mhe)
 
 
 def _raise_variance(covariance: Array, fix_variance: float) -> Array:

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array, make_rows
-from owtsweep.estimation.discretisation import Discrete, prediction_noise
+from owtsweep.estimation.discretisation import prediction_noise
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.evaluation.trajectory import spread_to_both_axes
-from owtsweep.studies.hub.chain import predictor_arrays
+from owtsweep.studies.hub.chain import Parts, predictor_arrays
 from owtsweep.studies.hub.contract import ZERO
-from owtsweep.studies.hub.fix_rules import FIX_RULES, FixRule, make_fix_rule
+from owtsweep.studies.hub.fix_rules import FIX_RULES
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, STATE
 from owtsweep.studies.hub.kernels.online_layout import (
@@ -30,7 +30,7 @@ from owtsweep.studies.hub.kernels.online_layout import (
     OnlineEstimates,
     OnlineRegisters,
 )
-from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter, input_model
+from owtsweep.studies.hub.models import POSITION
 from owtsweep.studies.hub.online.coordinates import (
     FARTHEST,
     LocatedEstimator,
@@ -39,32 +39,17 @@ from owtsweep.studies.hub.online.coordinates import (
     make_estimates,
     start_at_first_fix,
 )
-from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.sensors import Sensors
 
 
-def filter_settings(
-    axis: AxisFilter,
-    sensors: Sensors,
-    rule: str,
-    delay: int,
-    window: int,
-    predict: Discrete | None,
-    fix_rule: FixRule,
-) -> FilterSettings:
-    """Make the settings of filter, smoother and predictor for the online kernels.
-
-    rule: how a step without a position fix is treated, one of `estimation.gains.RULES`.
-    delay, window: delay of the specific force, and the smoother's lag, in steps.
-    predict: the predictor's model; None if the filtered state is the estimate.
-    fix_rule: how much the positions count that the filter gets.
-    """
-    steps = delay + window
+def filter_settings(parts: Parts, sensors: Sensors) -> FilterSettings:
+    """Make the settings of filter, smoother and predictor for the online kernels."""
+    axis, fix_rule = parts.axis, parts.fix_rule
     ahead: Array = np.eye(3)
     response: Array = np.zeros((1, 3))
     added: Array = np.zeros((3, 3))
-    if predict is not None and steps > 0:
-        noise = prediction_noise(predict, steps)
+    if parts.predict is not None and parts.ahead > 0:
+        noise = prediction_noise(parts.predict, parts.ahead)
         ahead, response = noise.transition, noise.response
         added = noise.process + axis.force_variance * response.T @ response
     return FilterSettings(
@@ -75,13 +60,13 @@ def filter_settings(
         h=axis.force_row,
         r_slow=axis.position_variance,
         r_fast=axis.force_variance,
-        rule=RULES.index(rule),
+        rule=RULES.index(parts.rule),
         P0=axis.initial_covariance,
         fix_interval=sensors.fix_interval,
-        delay=delay,
-        window=window,
-        predicts=predict is not None,
-        predictor=predictor_arrays(predict, steps, sensors.step),
+        delay=parts.input_delay,
+        window=parts.window,
+        predicts=parts.predict is not None,
+        predictor=predictor_arrays(parts.predict, parts.ahead, sensors.step),
         ahead=np.ascontiguousarray(ahead),
         response=np.ascontiguousarray(response),
         added=np.ascontiguousarray(added),
@@ -187,26 +172,24 @@ class OnlineEstimator(LocatedEstimator):
     map. Where the origin is the first fix, the estimator starts with this fix: until then,
     estimates are NaN and their variances infinite, and HME2 counts its multiples from there.
 
-    settings, horizon: settings for the kernels: of filter, smoother and predictor, and of the MHE.
-    mhe: the MHE; None for a scheme without one.
+    parts: of the scheme.
     solver: name of the solver for the MHE's windows that break a constraint.
-    origin: the point about which the schemes start from zero, shape (2,), m in NED; None for the
-        first fix.
+    origin: the point about which the scheme starts from zero, shape (2,), m in NED; None for the
+        first fix, whose noise is then the uncertainty of the first position.
+    Raises InputError if the origin is not two finite numbers.
     """
 
     def __init__(
-        self,
-        sensors: Sensors,
-        settings: FilterSettings,
-        horizon: HorizonSettings,
-        mhe: Horizon | None,
-        solver: str,
-        origin: Array | None,
+        self, parts: Parts, sensors: Sensors, solver: str, origin: ArrayLike | None = ZERO
     ) -> None:
-        super().__init__(sensors, origin)
-        self._mhe, self._solver = mhe, solver
-        self._filter, self._horizon = settings, horizon
-        self._registers: OnlineRegisters = new_registers(settings, horizon)
+        point = check_origin(origin)
+        super().__init__(sensors, point)
+        if point is None:
+            parts = start_at_first_fix(parts)
+        self._mhe, self._solver = parts.horizon, solver
+        self._filter = filter_settings(parts, sensors)
+        self._horizon = horizon_settings(parts.horizon, sensors)
+        self._registers = new_registers(self._filter, self._horizon)
         #: How often the MHE's window was solved with constraints, because they were violated.
         self.solved = 0
         self._lost = ""
@@ -316,41 +299,3 @@ class OnlineEstimator(LocatedEstimator):
             m.node[:] = last
         m.given[0] = last[0]
         self.solved += 1
-
-
-def online_chain(
-    tuning: FilterTuning,
-    sensors: Sensors,
-    *,
-    window: int = 0,
-    delay: int | None = None,
-    mhe: Horizon | None = None,
-    solver: str = "qrqp",
-    hold: str = "zero",
-    origin: ArrayLike | None = ZERO,
-) -> OnlineEstimator:
-    """Make a new online estimator from settings: [MHE ->] filter [-> smoother -> predictor].
-
-    window: the smoother's lag N_s, in steps.
-    delay: number of steps by which the specific force is delayed in register 1 of Ren et al.
-        (2019). The predictor predicts over these steps and the smoother's lag. None means that
-        there is no predictor: the filter takes the specific force without delay, and its state is
-        the estimate.
-    mhe: the MHE; None for a scheme without one.
-    solver: name of the solver for the MHE's windows that break a constraint.
-    hold: what the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
-    origin: the point about which the scheme starts from zero, shape (2,), m in NED; None for the
-        first fix, whose noise is then the uncertainty of the first position.
-    Raises InputError if the origin is not two finite numbers.
-    """
-    point = check_origin(origin)
-    axis = axis_filter(tuning, sensors)
-    if point is None:
-        axis, mhe = start_at_first_fix(axis, mhe)
-    predict = None if delay is None else input_model(tuning, sensors, hold)
-    # an MHE weighs the fixes itself; the filter then takes the positions of the MHE as they are
-    fix_rule = make_fix_rule(tuning) if mhe is None else FixRule()
-    settings = filter_settings(
-        axis, sensors, tuning.update_rule, delay or 0, window, predict, fix_rule
-    )
-    return OnlineEstimator(sensors, settings, horizon_settings(mhe, sensors), mhe, solver, point)

@@ -8,9 +8,12 @@ from operator import attrgetter
 from threading import Lock
 from typing import Literal
 
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain
+from numpy.typing import ArrayLike
+
+from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, Parts, chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known, Scheme, run_stepwise
+from owtsweep.studies.hub.contract import ZERO, Known, Scheme, run_stepwise
+from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 #: Greatest number of chains in the cache: four schemes under each of two tunings, and three
@@ -67,6 +70,17 @@ class FilterScheme(ChainScheme):
     def choose_filter(self, config: HubConfig) -> FilterTuning:
         chosen: FilterTuning = getattr(config, self.sections[0])
         return chosen
+
+    @abstractmethod
+    def find_parts(self, known: Known) -> Parts:
+        """Return the parts of the scheme for sensors and a tuning."""
+
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
+        solver = known.tuning.hme.mhe.solver
+        return OnlineEstimator(self.find_parts(known), known.sensors, solver, origin)
+
+    def make_chain(self, known: Known, steps: int) -> Chain:
+        return chain(self.find_parts(known), known.sensors, steps)
 
     def under(self, config: HubConfig) -> Scheme:
         """Return `self`, to be run step by step if fixes lose weight."""

@@ -10,20 +10,18 @@ from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, predict, prediction_noise
 from owtsweep.estimation.gains import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.studies.hub.chain import Chain, chain
+from owtsweep.studies.hub.chain import Parts
 from owtsweep.studies.hub.checks import check_window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import ZERO, Estimator, Known
+from owtsweep.studies.hub.contract import Estimator, Known
 from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter, axis_filter, input_model
-from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
@@ -39,27 +37,19 @@ class HME1Estimator:
     """
 
     def __init__(self, known: Known, scheme: HME1) -> None:
-        sensors, config = known.sensors, known.tuning
-        tuning, window = scheme.choose_filter(config), scheme.choose_window(config)
-        # an MHE weighs the fixes itself
-        mhe = scheme.make_horizon(config, sensors)
-        fix_rule = make_fix_rule(tuning) if mhe is None else PLAIN
-        self.axis, self.sensors = axis_filter(tuning, sensors), sensors
+        sensors, parts = known.sensors, scheme.find_parts(known)
+        assert parts.predict is not None
+        self.parts, self.sensors, self.input_model = parts, sensors, parts.predict
         self.gains = scheme.kernel(known)
-        self.on_schedule = fix_rule.name == "plain"
-        self.filter = MultirateKalmanFilter(
-            self.axis, sensors.rotation, tuning.update_rule, fix_rule
-        )
-        self.smoother = FixedLagSmoother(self.filter.kf.F, window)
-        self.input_model = input_model(tuning, sensors, config.hme.predictor.hold)
+        self.on_schedule = parts.fix_rule.name == "plain"
+        self.filter = MultirateKalmanFilter(parts, sensors.rotation)
+        self.smoother = FixedLagSmoother(self.filter.kf.F, parts.window)
         self.count = 0
         # Register 1 delays samples by N_d steps (the GNSS delay); the paper prints N_d - 1.
         # Register u_s keeps the last N_s samples that have left register 1; N_s is the length of
         # the smoother's window. Both registers start with zeros.
-        self.samples: deque[Array] = deque(
-            [np.zeros(2)] * (sensors.delay + window + 1), maxlen=sensors.delay + window + 1
-        )
-        self.window = window
+        kept = parts.ahead + 1
+        self.samples: deque[Array] = deque([np.zeros(2)] * kept, maxlen=kept)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         if (position is not None) != (self.count % self.sensors.fix_interval == 0):
@@ -103,9 +93,9 @@ class HME1Estimator:
         return predicted_covariance(
             [entry[1][::2, ::2] for entry in past],
             [entry[3][::2, ::2] for entry in past],
-            self.axis,
+            self.parts.axis,
             self.input_model,
-            self.sensors.delay + self.window,
+            self.parts.ahead,
         )
 
 
@@ -126,35 +116,23 @@ class HME1(FilterScheme):
         """Return the MHE between fixes and filter, if there is one."""
         return None
 
-    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
+    def find_parts(self, known: Known) -> Parts:
         sensors, tuning = known.sensors, known.tuning
-        return online_chain(
-            self.choose_filter(tuning),
-            sensors,
-            window=self.choose_window(tuning),
-            delay=sensors.delay,
-            mhe=self.make_horizon(tuning, sensors),
-            solver=tuning.hme.mhe.solver,
-            hold=tuning.hme.predictor.hold,
-            origin=origin,
+        of_filter = self.choose_filter(tuning)
+        horizon = self.make_horizon(tuning, sensors)
+        return Parts(
+            axis_filter(of_filter, sensors),
+            of_filter.update_rule,
+            # an MHE weighs the fixes itself; the filter then takes its positions as they are
+            make_fix_rule(of_filter) if horizon is None else PLAIN,
+            sensors.delay,
+            self.choose_window(tuning),
+            input_model(of_filter, sensors, tuning.hme.predictor.hold),
+            horizon,
         )
 
     def check(self, config: HubConfig) -> None:
         check_window(config, "hme.smoother_window", config.hme.smoother_window)
-
-    def make_chain(self, known: Known, steps: int) -> Chain:
-        sensors, tuning = known.sensors, known.tuning
-        of_filter = self.choose_filter(tuning)
-        return chain(
-            axis_filter(of_filter, sensors),
-            sensors,
-            rule=of_filter.update_rule,
-            input_delay=sensors.delay,
-            window=self.choose_window(tuning),
-            predict=input_model(of_filter, sensors, tuning.hme.predictor.hold),
-            horizon=self.make_horizon(tuning, sensors),
-            steps=steps,
-        )
 
 
 SCHEME = HME1()

@@ -14,16 +14,12 @@ MKF.
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
-
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.studies.hub.chain import Chain, chain
-from owtsweep.studies.hub.contract import ZERO, Known
+from owtsweep.studies.hub.chain import Parts
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.models import axis_filter
-from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
-from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
@@ -32,13 +28,8 @@ from owtsweep.studies.hub.sensors import Sensors
 class FilterEstimator:
     """A multirate Kalman filter alone, as an estimator that runs step by step."""
 
-    def __init__(self, tuning: FilterTuning, sensors: Sensors) -> None:
-        self.filter = MultirateKalmanFilter(
-            axis_filter(tuning, sensors),
-            sensors.rotation,
-            tuning.update_rule,
-            make_fix_rule(tuning),
-        )
+    def __init__(self, parts: Parts, sensors: Sensors) -> None:
+        self.filter = MultirateKalmanFilter(parts, sensors.rotation)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the filtered state."""
@@ -54,14 +45,12 @@ class FilterAlone(FilterScheme):
         self.sections = (section,)
 
     def start(self, known: Known) -> FilterEstimator:
-        return FilterEstimator(self.choose_filter(known.tuning), known.sensors)
+        return FilterEstimator(self.find_parts(known), known.sensors)
 
-    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        return online_chain(self.choose_filter(known.tuning), known.sensors, origin=origin)
-
-    def make_chain(self, known: Known, steps: int) -> Chain:
-        chosen, sensors = self.choose_filter(known.tuning), known.sensors
-        return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
+    def find_parts(self, known: Known) -> Parts:
+        chosen = self.choose_filter(known.tuning)
+        axis = axis_filter(chosen, known.sensors)
+        return Parts(axis, chosen.update_rule, make_fix_rule(chosen))
 
 
 SCHEME = FilterAlone("MKF", "mkf")

@@ -11,8 +11,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Innovation
-from owtsweep.studies.hub.fix_rules import PLAIN, FixJudge, FixRule
-from owtsweep.studies.hub.models import POSITION, AxisFilter
+from owtsweep.studies.hub.chain import Parts
+from owtsweep.studies.hub.fix_rules import FixJudge
+from owtsweep.studies.hub.models import POSITION
 
 _I = np.eye(2)
 
@@ -38,17 +39,15 @@ class MultirateKalmanFilter:
     Sigma_1 the IMU is a measurement; yaw enters through the measurement matrix. In Sigma_2 the IMU
     is an input, turned to NED first. Sigma_2 runs on 8 states too: its acceleration is white noise
     that is not observed and does not affect the other states. The paper prints an initial
-    covariance P_0 = I_6 and registers for 9 states, but Sigma_1 has 8 states. Without `fix_rule`,
-    all fixes count alike.
+    covariance P_0 = I_6 and registers for 9 states, but Sigma_1 has 8 states.
     """
 
-    def __init__(
-        self, axis: AxisFilter, rotation: Array, rule: str, fix_rule: FixRule = PLAIN
-    ) -> None:
+    def __init__(self, parts: Parts, rotation: Array) -> None:
         from filterpy.kalman import KalmanFilter
 
-        self.judge = FixJudge(fix_rule)
-        self.rule = rule
+        axis = parts.axis
+        self.judge = FixJudge(parts.fix_rule)
+        self.rule = parts.rule
         self.rotation = rotation
         self.takes_input = not np.any(axis.force_row)
         self.kf = KalmanFilter(dim_x=8, dim_z=4, dim_u=2)

@@ -11,7 +11,7 @@ elsewhere the keys skf.natural_period and skf.amplitude do.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import abstractmethod
 from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
@@ -20,17 +20,38 @@ from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme
-from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
+from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
-from owtsweep.studies.hub.spectral_model import SpectralAxis, make_axes
+from owtsweep.studies.hub.spectral_model import make_axes
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.spectral_batch import SpectralKernel
 
 
-class SpectralScheme(Scheme):
+MakeFilter = type[KalmanAxisFilter] | type[CompiledAxisFilter]
+
+
+class FilterPerAxis(Scheme):
+    """A scheme of two filters, along x and along y, about the position of the hub at rest."""
+
+    on_board = True
+
+    def start(self, known: Known) -> SpectralEstimator:
+        return SpectralEstimator(self.make_filters(known, KalmanAxisFilter), known.sensors)
+
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
+        """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
+        filters = self.make_filters(known, CompiledAxisFilter)
+        return SpectralEstimator(filters, known.sensors, origin)
+
+    @abstractmethod
+    def make_filters(self, known: Known, filter: MakeFilter) -> tuple[AxisFilter, AxisFilter]:
+        """Return the filters along x and y before their first step; `filter` is their class."""
+
+
+class SpectralScheme(FilterPerAxis):
     """The scheme SKF. Its methods raise InputError if nothing says what the motion is."""
 
     name = "SKF"
@@ -40,14 +61,12 @@ class SpectralScheme(Scheme):
     knows_motion = True
     expected_in_cell = True
     batched: Literal["", "chain", "own"] = "own"
-    on_board = True
 
-    def start(self, known: Known) -> SpectralEstimator:
-        return _start(known, KalmanAxisFilter, ZERO)
-
-    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
-        """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
-        return _start(known, CompiledAxisFilter, origin)
+    def make_filters(self, known: Known, filter: MakeFilter) -> tuple[AxisFilter, AxisFilter]:
+        skf = known.tuning.skf
+        x, y = make_axes(find_motion(known), skf, known.sensors)
+        rule = make_fix_rule(skf, skf.fix_rule or "plain", axes=1)
+        return filter(x, rule), filter(y, rule)
 
     def own_kernel(self, known: Known, steps: int) -> SpectralKernel:
         from owtsweep.studies.hub.spectral_batch import SpectralKernel
@@ -73,17 +92,6 @@ class WeighingSpectralScheme(SpectralScheme):
     linear = False
     expected_in_cell = False
     batched = ""
-
-
-def _start(
-    known: Known,
-    filter: Callable[[SpectralAxis, FixRule], AxisFilter],
-    origin: ArrayLike | None,
-) -> SpectralEstimator:
-    skf = known.tuning.skf
-    x, y = make_axes(find_motion(known), skf, known.sensors)
-    rule = make_fix_rule(skf, skf.fix_rule or "plain", axes=1)
-    return SpectralEstimator((filter(x, rule), filter(y, rule)), known.sensors, origin)
 
 
 def find_motion(known: Known) -> KnownMotion:

@@ -8,37 +8,32 @@ It is for steady seas. It refuses outlying fixes, and tracks their noise and the
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from functools import partial
-
-from numpy.typing import ArrayLike
 
 from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import ZERO, Known, Scheme
-from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
-from owtsweep.studies.hub.online.spectral import SpectralEstimator
-from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
-from owtsweep.studies.hub.spectral_model import SpectralAxis
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.fix_rules import make_fix_rule
+from owtsweep.studies.hub.schemes.skf import FilterPerAxis, MakeFilter
+from owtsweep.studies.hub.spectral_filter import AxisFilter
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
 
 logger = logging.getLogger(__name__)
 
 
-class AdaptiveSpectralScheme(Scheme):
+class AdaptiveSpectralScheme(FilterPerAxis):
     """The scheme SKFA. Its gains depend on the measurements, so it is not linear."""
 
     name = "SKFA"
-    on_board = True
     sections = ("skf", "band")
     least_duration = LEAST
 
-    def start(self, known: Known) -> SpectralEstimator:
-        return _start(known, KalmanAxisFilter, ZERO)
-
-    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
-        """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
-        return _start(known, CompiledAxisFilter, origin)
+    def make_filters(self, known: Known, filter: MakeFilter) -> tuple[AxisFilter, AxisFilter]:
+        low, high = known.tuning.band
+        skf = known.tuning.skf
+        rule = make_fix_rule(skf, skf.fix_rule or "gate", axes=1)
+        make = partial(TrackingFilter, skf, known.sensors, (low, high), rule, filter)
+        return make(), make()
 
     def check(self, config: HubConfig) -> None:
         """Warn of records that are too short to choose a spectrum."""
@@ -49,18 +44,6 @@ class AdaptiveSpectralScheme(Scheme):
                 LEAST,
                 config.record.duration,
             )
-
-
-def _start(
-    known: Known,
-    filter: Callable[[SpectralAxis, FixRule, float], AxisFilter],
-    origin: ArrayLike | None,
-) -> SpectralEstimator:
-    low, high = known.tuning.band
-    skf = known.tuning.skf
-    rule = make_fix_rule(skf, skf.fix_rule or "gate", axes=1)
-    make = partial(TrackingFilter, skf, known.sensors, (low, high), rule, filter)
-    return SpectralEstimator((make(), make()), known.sensors, origin)
 
 
 SCHEME = AdaptiveSpectralScheme()

@@ -13,12 +13,7 @@ from numpy.typing import ArrayLike
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Estimator, Known, Scheme
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.switching.boundary import (
-    Boundary,
-    check_switch,
-    compute_boundary,
-    read_boundary,
-)
+from owtsweep.studies.hub.switching.boundary import check_switch, compute_boundary, read_boundary
 from owtsweep.studies.hub.switching.estimator import SwitchingEstimator
 from owtsweep.studies.hub.switching.supervisor import SeaWatch, Supervisor
 
@@ -34,8 +29,7 @@ class SupervisorySwitching(Scheme):
         """Return the scheme with the sections of those two schemes that the tuning names."""
         below, above = _choose_schemes(config)
         chosen = SupervisorySwitching()
-        named = (*below.sections, *above.sections)
-        chosen.sections = ("switch", *dict.fromkeys(named))
+        chosen.sections = ("switch", *dict.fromkeys((*below.sections, *above.sections)))
         return chosen
 
     def start(self, known: Known) -> SwitchingEstimator:
@@ -50,8 +44,7 @@ class SupervisorySwitching(Scheme):
 
 
 def _choose_schemes(config: HubConfig) -> tuple[Scheme, Scheme]:
-    settings = config.switch
-    below, above = resolve(settings.below), resolve(settings.above)
+    below, above = resolve(config.switch.below), resolve(config.switch.above)
     return below.under(config), above.under(config)
 
 
@@ -59,9 +52,13 @@ def _start(known: Known, started: Callable[[Scheme], Estimator]) -> SwitchingEst
     """Return a new estimator; `started` makes that of each of the two schemes."""
     sensors, settings = known.sensors, known.tuning.switch
     below, above = _choose_schemes(known.tuning)
+    if settings.boundary is None:
+        boundary = compute_boundary(known.tuning, settings.below, settings.above, settings.crest)
+    else:
+        boundary = read_boundary(settings.boundary)
     supervisor = Supervisor(
         SeaWatch(sensors.step, settings.memory, settings.crest),
-        _make_boundary(known.tuning),
+        boundary,
         hysteresis=settings.hysteresis,
         step=sensors.step,
         memory=settings.memory,
@@ -69,14 +66,6 @@ def _start(known: Known, started: Callable[[Scheme], Estimator]) -> SwitchingEst
         every=sensors.fix_interval,
     )
     return SwitchingEstimator(started(below), started(above), supervisor)
-
-
-def _make_boundary(config: HubConfig) -> Boundary:
-    """Return the boundary that the tuning states, or else the one of the two schemes' errors."""
-    settings = config.switch
-    if settings.boundary is not None:
-        return read_boundary(settings.boundary)
-    return compute_boundary(config, settings.below, settings.above, settings.crest)
 
 
 SCHEME = SupervisorySwitching()

@@ -112,10 +112,7 @@ def check_switch(own: str, settings: Switch) -> None:
     """Raise `InputError` unless `switch` names two other schemes and its boundary is a table."""
     others = ", ".join(name for name in LISTED if name != own)
     for key, name in (("below", settings.below), ("above", settings.above)):
-        require(
-            name in LISTED,
-            f"switch.{key}: there is no scheme {name!r}; use {others}",
-        )
+        require(name in LISTED, f"switch.{key}: there is no scheme {name!r}; use {others}")
         require(
             name != own,
             f"switch.{key}: {own} cannot switch to itself; name another scheme, e.g. HME1",

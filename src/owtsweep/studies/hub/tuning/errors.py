@@ -55,8 +55,7 @@ def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
     sensors = sensing.sensors(config.sensors)
     steps, settled = (round(seconds / sensors.step) for seconds in (DURATION, SETTLING))
     chain = scheme.kernel(Known(sensors, config), steps)
-    band = (config.band[0], config.band[1])
-    curve = curves(chain, sensors, steps=steps, settled=settled, band=band)
+    curve = curves(chain, sensors, steps=steps, settled=settled, band=config.band)
     measure, shares = _parts(config)
     motion = motion_of(config, curve, config.grid.natural_period)[:, measure, 1]
     noise = noise_of(config, sensors, curve)[:, measure, 1]
