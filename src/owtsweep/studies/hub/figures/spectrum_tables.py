@@ -85,7 +85,8 @@ def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
     table.add_column("of")
     for source in (*SOURCES, "all"):
         table.add_column(source, justify="right")
-    for (name, measure), rows in noise.groupby(["scheme", "measure"], sort=False):
+    for key, rows in noise.groupby(["scheme", "measure"], sort=False):
+        name, measure = map(str, key)
         cells = [*["-"] * len(SOURCES), "does not settle"]
         if rows["mse"].notna().all():
             unit = {"position": "cm", "velocity": "cm/s"}[measure]
