@@ -21,7 +21,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
-from owtsweep.studies.hub.error_curves.of_schemes import expected_ratio, lines_of
+from owtsweep.studies.hub.error_curves.of_schemes import expected_ratio
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.peak import peak_factors
@@ -135,7 +135,6 @@ def test_the_ratio_is_that_of_many_records() -> None:
     # narrow and short, so that the records' scatter matters: without it the mean is 6 % off
     band, duration, count = (0.05, 0.6), 120.0, 4000
     shape = spectrum("translated", 4.0, 2.4e-4)
-    known = lines_of(band, duration)
     frequency = lines(band, 2 * duration)[1]
     weight = frequency**4
     rng = np.random.default_rng(11)
@@ -148,12 +147,12 @@ def test_the_ratio_is_that_of_many_records() -> None:
         line = amplitude * np.exp(2j * np.pi * rng.random(len(frequency)))
         error = (basis @ (line * frequency**2)).real
         ratios.append(np.mean(error**2) / np.var((basis @ line).real))
-    found = float(expected_ratio(shape, weight[None], known)[0])
+    found = float(expected_ratio(shape, weight[None], frequency)[0])
     margin = 4.0 * np.std(ratios) / np.sqrt(count)
     assert abs(found - np.mean(ratios)) < margin
     share = shape.density(frequency) / np.sum(shape.density(frequency))
     assert abs(np.sum(share * weight) - np.mean(ratios)) > margin
-    assert expected_ratio(shape, np.ones((1, len(frequency))), known) == pytest.approx(1.0)
+    assert expected_ratio(shape, np.ones((1, len(frequency))), frequency) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("normalise", ["rms", "peak"])

@@ -14,6 +14,7 @@ from owtsweep.cli import BAD_INPUT, DONE, main
 from owtsweep.cli.program import INTERRUPTED
 from owtsweep.config import with_values
 from owtsweep.studies import compose
+from owtsweep.studies.base.searching import attempt
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis, kalman_bound
 from owtsweep.studies.hub.contract import Known
@@ -170,4 +171,5 @@ def test_a_wrong_sensor_is_named_before_any_rule() -> None:
 
 def test_the_score_weighs_ratios() -> None:
     assert score(np.array([[1.0, 100.0]])) == pytest.approx(10.0)
-    assert score(np.array([[1.0, np.nan]])) == float("inf")
+    judged = attempt(lambda _: score(np.array([[1.0, np.nan]])), {})
+    assert judged.score == float("inf")

@@ -51,6 +51,8 @@ def find_shape(
 
 #: The measures that have bounds.
 BOUNDED = ("position", "velocity")
+#: The columns that say which bound a row has.
+CELL = ["natural_period", "amplitude", "measure"]
 #: The time window whose errors are compared with bounds: bounds hold in the steady state.
 WINDOW = "settled"
 
@@ -96,15 +98,13 @@ def compute_bounds(config: HubConfig) -> pd.DataFrame:
     bound_a and bound_b (m^2 or (m/s)^2). Raises InputError as `find_bounds`.
     """
     assumed_nothing = kalman_bounds(config)
-    rows = []
-    for period, amplitude in product(
-        sorted(config.grid.natural_period), sorted(config.grid.amplitude)
-    ):
-        for measure, bound in find_bounds(config, period, amplitude).items():
-            rows.append((period, amplitude, measure, assumed_nothing[measure], bound))
-    return pd.DataFrame(
-        rows, columns=["natural_period", "amplitude", "measure", "bound_a", "bound_b"]
-    )
+    cells = product(sorted(config.grid.natural_period), sorted(config.grid.amplitude))
+    rows = [
+        (period, amplitude, measure, assumed_nothing[measure], bound)
+        for period, amplitude in cells
+        for measure, bound in find_bounds(config, period, amplitude).items()
+    ]
+    return pd.DataFrame(rows, columns=[*CELL, "bound_a", "bound_b"])
 
 
 def add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
@@ -113,10 +113,9 @@ def add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
     They are the bounds divided by the mean; NaN outside the window `settled`, and for measures
     other than position and velocity.
     """
-    keys = ["natural_period", "amplitude", "measure"]
-    bounds = compute_bounds(config).set_index(keys)
     settled = summary["mean"].where(summary["window"] == WINDOW)
-    bounds = bounds.reindex(pd.MultiIndex.from_frame(summary[keys]))
+    bounds = compute_bounds(config).set_index(CELL)
+    bounds = bounds.reindex(pd.MultiIndex.from_frame(summary[CELL]))
     return summary.assign(
         efficiency_a=bounds["bound_a"].to_numpy() / settled,
         efficiency_b=bounds["bound_b"].to_numpy() / settled,

@@ -42,8 +42,7 @@ def bound_of_known_spectrum(
         np.pad(row, (0, n - states)) for row in (shape.position, shape.velocity, felt)
     )
     force[states] = 1.0
-    oldest = np.zeros(n)
-    oldest[-1] = 1.0
+    oldest = np.eye(n)[-1]
     copying = np.eye(n)
     copying[states + 1 :] = np.eye(n)[states : n - 1]
     copying[states + 1] = position

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
+from functools import lru_cache
 
 import numpy as np
 
@@ -20,41 +21,30 @@ from owtsweep.studies.hub.peak import peak_factors
 from owtsweep.studies.hub.sensors import Sensors
 
 
-@dataclass(frozen=True)
-class Lines:
-    """The spectral lines (sinusoids) of which records of one length consist.
+@lru_cache(maxsize=8)
+def weigh_beats(count: int) -> tuple[Array, int]:
+    """Return the weights of the beats of a record's lines, and a number of values.
 
-    frequency: of the lines, Hz, evenly spaced, shape (n,).
-    beat: Fourier transform, shape (size // 2 + 1,), of a function b of the difference of two lines'
-        numbers: the square of the mean that the beat of the two lines has over a record; b(0) = 0.
-    size: number of values of b that are transformed, at least 2 n.
-    """
-
-    frequency: Array
-    beat: Array
-    size: int
-
-
-def lines_of(band: tuple[float, float], duration: float) -> Lines:
-    """Return the spectral lines inside a band (Hz) of records of a duration (s).
-
-    The common period of all lines is twice the record's duration. Over the record, the beat of the
-    lines number m and n therefore has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2).
+    A sum over all pairs of `count` lines, of x_m x_n and of the square of the mean that the beat of
+    the lines number m and n has over a record, is the weighted sum of the squares of x's Fourier
+    transform of so many values, divided by their number. The weights have the shape
+    (size // 2 + 1,). The common period of all lines is twice the record's duration. Over the
+    record, the beat therefore has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2).
     """
     from scipy.fft import next_fast_len, rfft
 
-    _, frequency = lines(band, 2.0 * duration)
-    count = len(frequency)
     size = next_fast_len(2 * count, real=True)
-    apart = np.arange(size)
-    apart = np.where(apart < count, apart, np.where(apart > size - count, size - apart, 0))
-    beat = np.sinc(0.5 * apart) ** 2
+    apart = np.minimum(np.arange(size), size - np.arange(size))
+    beat = np.where(apart < count, np.sinc(0.5 * apart) ** 2, 0.0)
     beat[0] = 0.0  # a line does not beat with itself
-    beat[count : size - count + 1] = 0.0
-    return Lines(frequency, rfft(beat).real, size)
+    weights: Array = rfft(beat).real
+    # Parseval for real sequences: all terms count twice except the first and, for an even length,
+    # the last
+    weights[1 : (size + 1) // 2] *= 2.0
+    return weights, size
 
 
-def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
+def expected_ratio(spectrum: Spectrum, curves: Array, frequency: Array) -> Array:
     """Compute the expected mean square error of records normalised to a standard deviation of 1 m.
 
     The squared error of a normalised record is a ratio p / q of two random sums, the squared error
@@ -65,24 +55,18 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     motion, times the geometric mean of the curve at both lines.
 
     curves: mean square errors per mean square of the motion, at the n lines; shape (..., n).
-    drawn: the spectral lines of the records.
+    frequency: the n lines (sinusoids) of which the records consist, Hz, evenly spaced, shape (n,).
     Returns: shape (...), in the unit of the curves times m^2.
     """
     from scipy.fft import rfft
 
-    share = spectrum.density(drawn.frequency)
+    weights, size = weigh_beats(len(frequency))
+    share = spectrum.density(frequency)
     share = share / np.sum(share)
     mean = np.sum(share * curves, axis=-1)
     flat = curves.reshape(-1, len(share))
     shapes = np.concatenate([np.ones((1, len(share))), flat]) ** 0.5 * share
-    transformed = np.abs(rfft(shapes, n=drawn.size, axis=-1)) ** 2 * drawn.beat
-    # Parseval for real sequences: all terms count twice except the first and, for an even length,
-    # the last
-    twice = np.full(transformed.shape[-1], 2.0)
-    twice[0] = 1.0
-    if drawn.size % 2 == 0:
-        twice[-1] = 1.0
-    beats = np.sum(transformed * twice, axis=-1) / drawn.size
+    beats = np.sum(np.abs(rfft(shapes, n=size, axis=-1)) ** 2 * weights, axis=-1) / size
     relative = beats[1:].reshape(mean.shape) / mean
     return np.asarray(mean * (1.0 + beats[0] - relative))
 
@@ -123,11 +107,14 @@ def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Arr
 
     The axes of the result are natural period, measure (position, velocity), window (full, settled).
     """
-    lines = lines_of((config.band[0], config.band[1]), config.record.duration)
-    at_lines = curve.at(lines.frequency)
+    _, frequency = lines((config.band[0], config.band[1]), 2.0 * config.record.duration)
+    at_lines = curve.at(frequency)
     kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
     expected = np.array(
-        [expected_ratio(spectrum(kind, period, bandwidth), at_lines, lines) for period in periods]
+        [
+            expected_ratio(spectrum(kind, period, bandwidth), at_lines, frequency)
+            for period in periods
+        ]
     )
     if config.normalise == "peak":
         expected *= peak_factors(config, periods)[:, None, None]

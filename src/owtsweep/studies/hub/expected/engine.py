@@ -48,18 +48,15 @@ def plan(config: HubConfig) -> list[Block]:
             "expected_version": EXPECTED_VERSION,
             "natural_periods": periods,
         }
-        recompute = SCHEMES.explain_recompute(scheme)
-        if scheme.expected_in_cell:
-            for amplitude in map(float, config.grid.amplitude):
-                name = f"{scheme.name}, {amplitude:g} m"
-                of_cell = {**content, "amplitude": amplitude}
-                blocks.append(
-                    Block(name, f"{name}, expected", of_cell, len(periods), recompute=recompute)
-                )
-        else:
-            cells = len(periods) * len(config.grid.amplitude)
+        recompute, cells = SCHEMES.explain_recompute(scheme), len(periods)
+        if not scheme.expected_in_cell:
+            cells *= len(config.grid.amplitude)
             label = f"{scheme.name}, expected"
             blocks.append(Block(scheme.name, label, content, cells, cells, recompute))
+            continue
+        for amplitude in map(float, config.grid.amplitude):
+            name, of_cell = f"{scheme.name}, {amplitude:g} m", {**content, "amplitude": amplitude}
+            blocks.append(Block(name, f"{name}, expected", of_cell, cells, recompute=recompute))
     return blocks
 
 

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 #: A function that draws a figure.
 Draw = Callable[[], "Figure"]
 
-#: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
-PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
+#: Natural periods (s) whose MSE over amplitude the paper shows, and how the figure's name begins.
+PAPER_FIGURES = {4.0: "figure_15_", 6.0: "figure_16_", 8.0: "figure_17_"}
 MAP = "figure_18_best_scheme"
 #: What is said of means over the records that all schemes of a cell have, where some have more.
 SHARED = "Means are over the records that all schemes of a cell have, fewer than the map's."
@@ -167,11 +167,10 @@ def over_amplitude(
         printed=printed,
         notes=[SHARED] if config.grid.decides and config.engine != "expected" else [],
     )
-    figures: dict[str, Draw] = {}
-    for period in sorted(periods):
-        number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
-        figures[f"{number}mse_{period:g}s"] = partial(draw, period)
-    return figures
+    return {
+        f"{PAPER_FIGURES.get(period, '')}mse_{period:g}s": partial(draw, period)
+        for period in sorted(periods)
+    }
 
 
 def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]:

@@ -45,10 +45,8 @@ class MultirateKalmanFilter:
     def __init__(self, parts: Parts, rotation: Array) -> None:
         from filterpy.kalman import KalmanFilter
 
-        axis = parts.axis
-        self.judge = FixJudge(parts.fix_rule)
-        self.rule = parts.rule
-        self.rotation = rotation
+        self.axis, self.rule, self.rotation = parts.axis, parts.rule, rotation
+        self.judge, axis = FixJudge(parts.fix_rule), parts.axis
         self.takes_input = not np.any(axis.force_row)
         self.kf = KalmanFilter(dim_x=8, dim_z=4, dim_u=2)
         self.kf.F = np.kron(axis.model.A, _I)
@@ -57,8 +55,6 @@ class MultirateKalmanFilter:
         self.kf.P = np.kron(axis.initial_covariance, _I)
         self.position_rows = np.kron(POSITION, _I)
         self.force_rows = rotation.T @ np.kron(axis.force_row, _I)  # (6b): R'(x3 - x4)
-        self.position_variance = axis.position_variance
-        self.force_variance = axis.force_variance
         self.previous_input = np.zeros((2, 1))
         # the last fix; only the rule `mask_rows` uses it, as Algorithm 6 is printed
         self.held_fix: Array = np.zeros(2)
@@ -73,10 +69,10 @@ class MultirateKalmanFilter:
         kf.predict(u=self.previous_input)
         self.previous_input = self.rotation @ force.reshape(2, 1)
         x_predicted, P_predicted = kf.x.copy(), kf.P.copy()
-        innovation, variance = None, self.position_variance
+        innovation, variance = None, self.axis.position_variance
         if fix is not None:
             S = self.position_rows @ P_predicted @ self.position_rows.T
-            S = S + self.position_variance * _I
+            S = S + self.axis.position_variance * _I
             innovation = Innovation(fix - x_predicted[:2, 0], S)
             weight = self.judge.weigh(measure_distance(innovation))
             if weight > 0.0:
@@ -100,7 +96,7 @@ class MultirateKalmanFilter:
         if fix is not None:
             parts.append((self.position_rows, fix, variance))
         if not self.takes_input:
-            parts.append((self.force_rows, force, self.force_variance))
+            parts.append((self.force_rows, force, self.axis.force_variance))
         if parts:
             rows, values, variances = zip(*parts, strict=True)
             R = np.kron(np.diag(variances), _I)
@@ -115,7 +111,7 @@ class MultirateKalmanFilter:
         """
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])
-        R = np.kron(np.diag([self.position_variance, self.force_variance]), _I)
+        R = np.kron(np.diag([self.axis.position_variance, self.axis.force_variance]), _I)
         if self.takes_input:
             H, R = H[:2], R[:2, :2]
         K = kf.P @ H.T @ np.linalg.inv(H @ kf.P @ H.T + R)

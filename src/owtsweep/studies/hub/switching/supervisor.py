@@ -66,10 +66,8 @@ def error_variances(covariance: Array | None) -> tuple[float, float]:
     """
     if covariance is None:
         return 0.0, 0.0
-    return (
-        float(covariance[0, 0] + covariance[1, 1]),
-        float(covariance[2, 2] + covariance[3, 3]),
-    )
+    x, y, vx, vy = covariance.diagonal().tolist()
+    return x + y, vx + vy
 
 
 #: An estimated amplitude counts as at least this much, m.

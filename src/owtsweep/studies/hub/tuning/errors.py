@@ -99,10 +99,9 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
 
 
 def score(errors: Array) -> float:
-    """Return the geometric mean of the errors of all cells, in their unit; infinite if one is.
+    """Return the geometric mean of the errors of all cells, in their unit; NaN if one is.
 
     The geometric mean weighs a percent less the same in each cell, whatever the cell's error.
     """
     with np.errstate(all="ignore"):
-        value = float(np.exp(np.mean(np.log(errors))))
-    return value if np.isfinite(value) else float("inf")
+        return float(np.exp(np.mean(np.log(errors))))
