@@ -224,12 +224,9 @@ def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
     assert note in " ".join(shown.split())
     draw = run.engine.drawings(config, tables, run.cases(), {})
     assert "figure_18_best_scheme" in draw
-    figure = mse_over_amplitude.draw(
-        tables["summary"], 4.0, ["MKF", "HME1"], window="full", tuning="matched",
-        baselines=["NONE", "HOLD"],
-    )  # fmt: skip
+    figure = mse_over_amplitude.draw(config, tables["summary"], 4.0)
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert legend[-2:] == ["NONE", "HOLD"]
+    assert legend[-3:] == ["NONE", "HOLD", "DELTA"]
     texts = " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split())
     assert "HOLD, the last fix, zero velocity" in texts
 

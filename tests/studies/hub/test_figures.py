@@ -30,6 +30,7 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies import compose
 from owtsweep.studies.hub.conditions import CRITERIA
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
@@ -56,6 +57,10 @@ def best_table(periods, amplitudes, *, criterion: str = "position") -> pd.DataFr
             }
         )
     return pd.DataFrame(rows)
+
+
+def bare() -> HubConfig:
+    return configure(f"schemes=[{','.join(SCHEMES)}]", "baselines=[]", "measures.window=full")
 
 
 def summary_table(period: float, amplitudes, *, relative_margin: float = 0.1) -> pd.DataFrame:
@@ -233,9 +238,7 @@ def test_map_refuses_a_criterion_without_rows():
 def test_mse_figure_draws_the_means_and_the_published_points():
     amplitudes = [0.05, 0.2, 1.0, 10.0]
     table = summary_table(8.0, amplitudes).sample(frac=1.0, random_state=1)
-    figure = mse_over_amplitude.draw(
-        table, 8.0, SCHEMES, window="full", tuning="paper", printed=sum_printed()
-    )
+    figure = mse_over_amplitude.draw(bare(), table, 8.0, printed=sum_printed())
     print_ = published.mse_tables().query("natural_period == 8")
     panels = (("position", ["x", "y"]), ("velocity", ["vx", "vy"]))
     for axes, (measure, parts) in zip(figure.axes, panels, strict=True):
@@ -274,20 +277,18 @@ def test_mse_figure_draws_the_means_and_the_published_points():
 def test_mse_figure_without_published_points_or_intervals():
     table = summary_table(5.0, [0.2]).assign(ci_low=math.nan, ci_high=math.nan, n=1)
     for printed in (None, sum_printed()):
-        figure = mse_over_amplitude.draw(
-            table, 5.0, SCHEMES, window="full", tuning="paper", printed=printed
-        )
+        figure = mse_over_amplitude.draw(bare(), table, 5.0, printed=printed)
         shown = texts(figure)
         assert "published" not in shown
     assert "95 %" not in shown
     with pytest.raises(InputError, match=r"^natural_period: no result at 6 s .* this run has 5$"):
-        mse_over_amplitude.draw(table, 6.0, SCHEMES, window="full", tuning="paper")
+        mse_over_amplitude.draw(bare(), table, 6.0)
 
 
 @pytest.mark.parametrize("relative_margin", [1.5, 1.0 - 1e-9])
 def test_mse_figure_survives_intervals_that_reach_zero(tmp_path, relative_margin):
     table = summary_table(5.0, [0.2, 1.0], relative_margin=relative_margin)
-    figure = mse_over_amplitude.draw(table, 5.0, SCHEMES, window="full", tuning="paper")
+    figure = mse_over_amplitude.draw(bare(), table, 5.0)
     style.save(figure, tmp_path, "wide")
     assert min(axes.get_ylim()[0] for axes in figure.axes) > 1e-5
     assert "cut at 0.1 of the mean" in texts(figure)

@@ -14,6 +14,7 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.expected.engine import rows_of
 from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.scheme_sections import Switch
 from owtsweep.studies.hub.switching.boundary import (
     ANY,
     NONE,
@@ -62,9 +63,8 @@ def supervise(amplitudes: Array, *, hysteresis: float, blend: float) -> tuple[Ar
 
     watch = Told(STEP, 1.0, 1.0)
     edge = Boundary(np.log([2.0, 8.0]), np.log([1.0, 1.0]))
-    supervisor = Supervisor(
-        watch, edge, hysteresis=hysteresis, step=STEP, memory=1.0, blend=blend, every=1
-    )
+    settings = Switch(hysteresis=hysteresis, memory=1.0, blend=blend)
+    supervisor = Supervisor(watch, edge, settings, STEP, every=1)
     weights = []
     for amplitude in amplitudes:
         watch.now = amplitude

@@ -15,6 +15,7 @@ from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.contents import Contents
+from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.regret import Judged, make_regret, tell_regret
 from owtsweep.results.summary import summarise
@@ -309,6 +310,6 @@ def describe_run(run: Candidate) -> Aspects:
         best_of=None
         if ENGINES[config.engine](world).samples
         else lambda rows, grid, schemes, criterion: answers.best_scheme(
-            rows, schemes, [criterion], grid, window
+            Cube.of_rows(rows, schemes, world.conditions, grid), [criterion], window
         ),
     )

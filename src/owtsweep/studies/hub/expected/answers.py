@@ -13,17 +13,15 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.results.best_scheme import find_best_schemes
-from owtsweep.results.conditions import Grid
 from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import judge_exactly
 from owtsweep.statistics.contest import Contest, contest
-from owtsweep.studies.hub.conditions import JUDGED, criteria, find_world
+from owtsweep.studies.hub.conditions import JUDGED, criteria
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import ask, make_cube
-from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.listed import list_baselines
 
 #: Two schemes are distinguishable if their MSE differs by more than this, relatively. It is the
 #: accuracy of the expected errors.
@@ -70,13 +68,11 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     `MOST_CELLS` cells, "summary" and "ratios" have only the run's criterion and window.
     """
     window, measure = config.measures.window, config.measures.criterion
-    best = best_scheme(
-        rows, scheme_names(config), criteria(config), find_world(config).get_grid(config), window,
-        list_baselines(config),
-    )  # fmt: skip
+    cube = make_cube(config, rows, baselines=True)
+    best = best_scheme(cube, criteria(config), window, list_baselines(config))
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
-    cube = make_cube(config, rows, baselines=True)
+        cube = make_cube(config, rows, baselines=True)
     summary = summarise(cube).assign(n=0)
     if config.grid.decides:
         best = judge_exactly(best, summary, ask(config))
@@ -86,12 +82,7 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def best_scheme(
-    rows: pd.DataFrame,
-    schemes: Sequence[str],
-    criteria: Sequence[str],
-    grid: Grid,
-    window: str,
-    baselines: Sequence[str] = (),
+    cube: Cube, criteria: Sequence[str], window: str, baselines: Sequence[str] = ()
 ) -> pd.DataFrame:
     """Make the table of the best scheme in every cell, by each of the `criteria`.
 
@@ -99,7 +90,6 @@ def best_scheme(
     square errors differ by more than `RESOLUTION`, relatively. By this rule, too, a baseline wins
     against the best scheme.
     """
-    cube = Cube.of_rows(rows, [*schemes, *baselines], CONDITIONS, grid)
     judged = {name: JUDGED[name] for name in criteria}
     table = find_best_schemes(cube, window, judged, baselines).assign(n=0)
     table["distinguishable"] = table["difference"] > RESOLUTION * table["mse_best"]

@@ -8,17 +8,16 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import cast
 
 import pandas as pd
 
+from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.motion.envelope import SHARE, find_region
 from owtsweep.structures import Structure
 from owtsweep.studies.hub.conditions import require_spectrum
-from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.envelope import SIZES, compute_envelope, find_best, tell_best
 from owtsweep.studies.hub.figures import maps_by_tuning
 from owtsweep.sweep.gather import Results
@@ -42,24 +41,24 @@ def save_envelope(run: Run, structure: Structure, folder: Path) -> tuple[list[Pa
             f"{run.folder}: a run of the study {run.study.name!r} has no map of natural period and "
             "amplitude; use a run of the study hub"
         )
-    require_spectrum(cast("HubConfig", run.config), "the envelope on a map")
-    parts = {cast("HubConfig", part.config).tuning_name: part for part in run.by_tuning().values()}
-    config = cast("HubConfig", run.config)
+    config: AnyConfig = run.config
+    require_spectrum(config, "the envelope on a map")
     points = compute_envelope(config, structure)
     results = {}
-    for tuning, part in parts.items():
+    for part in run.by_tuning().values():
+        one: AnyConfig = part.config
         best = part.best_scheme()
-        points[f"best_{tuning}"] = find_best(cast("HubConfig", part.config), best, points)
+        points[f"best_{one.tuning_name}"] = find_best(one, best, points)
         rows = best.iloc[:0]
         with suppress(InputError):  # a run whose cases are gone still has its map
             rows = part.cases()
-        results[tuning] = Results(part.config, rows, {"best_scheme": best})
+        results[one.tuning_name] = Results(one, rows, {"best_scheme": best})
     size = SIZES[config.normalise]
     with style.context():
         figure = maps_by_tuning.draw(results, region=make_region(points, structure, size))
         files = style.save(figure, folder, NAME, run.metadata() | {"structure": structure.name})
     table = write_table(folder, NAME, points)
-    return [*files, table], [tell_best(points, tuning, size) for tuning in parts]
+    return [*files, table], [tell_best(points, tuning, size) for tuning in results]
 
 
 def make_region(

@@ -34,8 +34,6 @@ Draw = Callable[[], "Figure"]
 #: Natural periods (s) whose MSE over amplitude the paper shows, and how the figure's name begins.
 PAPER_FIGURES = {4.0: "figure_15_", 6.0: "figure_16_", 8.0: "figure_17_"}
 MAP = "figure_18_best_scheme"
-#: What is said of means over the records that all schemes of a cell have, where some have more.
-SHARED = "Means are over the records that all schemes of a cell have, fewer than the map's."
 #: Figures that do not depend on the tuning.
 UNTUNED = frozenset({"figure_03_record", "figure_04_spectrum"})
 #: The paper's figures 9-14: name -> quantity shown over time, and whether the figure is zoomed in.
@@ -156,17 +154,7 @@ def over_amplitude(
     """List the figures of MSE against amplitude by name, one figure per natural period (s)."""
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
-    draw = partial(
-        mse_over_amplitude.draw,
-        summary,
-        schemes=scheme_names(config),
-        baselines=list_baselines(config),
-        window=config.measures.window,
-        tuning=config.tuning_name,
-        coinciding=coinciding,
-        printed=printed,
-        notes=[SHARED] if config.grid.decides and config.engine != "expected" else [],
-    )
+    draw = partial(mse_over_amplitude.draw, config, summary, coinciding=coinciding, printed=printed)
     return {
         f"{PAPER_FIGURES.get(period, '')}mse_{period:g}s": partial(draw, period)
         for period in sorted(periods)

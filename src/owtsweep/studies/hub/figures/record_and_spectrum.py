@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.signal import welch
 
@@ -110,7 +109,8 @@ def draw_spectrum(config: HubConfig) -> Figure:
         axes.semilogy(fine, scaled, color=GIVEN, linewidth=1.6, label=record.given_label)
         highest = scaled.max()
         if record.peaks:
-            _mark_peaks(axes, record.peaks)
+            for (label, peak), linestyle in zip(record.peaks.items(), ("--", ":"), strict=True):
+                axes.axvline(peak, color=EDGE, linestyle=linestyle, zorder=1.0, label=label)
             highest = max(highest, estimate.max())
         else:
             axes.axvline(low, color=EDGE, linestyle="--", label="edges of the band")
@@ -134,11 +134,6 @@ def draw_spectrum(config: HubConfig) -> Figure:
         "variance; nothing is fitted.",
     )
     return figure
-
-
-def _mark_peaks(axes: Axes, peaks: dict[str, float]) -> None:
-    for (label, frequency), linestyle in zip(peaks.items(), ("--", ":"), strict=True):
-        axes.axvline(frequency, color=EDGE, linestyle=linestyle, zorder=1.0, label=label)
 
 
 def _first_record(config: HubConfig) -> Displacement:

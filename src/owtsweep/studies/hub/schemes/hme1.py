@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.discretisation import Discrete, predict, prediction_noise
+from owtsweep.estimation.discretisation import predict, prediction_noise
 from owtsweep.estimation.gains import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Parts
@@ -21,7 +21,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Known
 from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon
-from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter, axis_filter, input_model
+from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model
 from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
@@ -89,14 +89,40 @@ class HME1Estimator:
     def _covariance(self, *, full: bool) -> Array:
         if self.on_schedule or not full:
             return np.asarray(self.gains.covariance[int(self.gains.gains.row(self.count))])
+        return self._predict_covariance()
+
+    def _predict_covariance(self) -> Array:
+        """Compute the covariance of the predicted position and velocity along an axis, (2, 2).
+
+        The prediction starts from the smoothed state of the oldest step s of the smoother's window.
+        The window's last step is k. The smoothed state's error is correlated with the noise of the
+        inputs in the window. For the input i steps after s, this correlation is L_i P_{s+i|k},
+        where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product of the
+        smoother's gains C. It is not correlated with the noise of inputs after the window.
+        """
+        # covariances (4, 4) of each step of the window, oldest first
         past = self.smoother.register
-        return predicted_covariance(
-            [entry[1][::2, ::2] for entry in past],
-            [entry[3][::2, ::2] for entry in past],
-            self.parts.axis,
-            self.input_model,
-            self.parts.ahead,
-        )
+        filtered, predicted = ([entry[i][::2, ::2] for entry in past] for i in (1, 3))
+        axis, steps = self.parts.axis, self.parts.ahead
+        if steps == 0:
+            return filtered[-1][:2, :2]
+        A = axis.model.A
+        pairs = zip(filtered, predicted[1:], strict=False)
+        gains = [P @ A.T @ np.linalg.inv(Pm) for P, Pm in pairs]
+        smoothed = [filtered[-1]]
+        for P, Pm, C in zip(filtered[-2::-1], predicted[:0:-1], gains[::-1], strict=True):
+            smoothed.insert(0, P + C @ (smoothed[0] - Pm) @ C.T)
+        noise = prediction_noise(self.input_model, steps)
+        T, D = noise.transition, noise.response
+        cross, L = np.zeros((4, 3)), np.eye(4)
+        for i in range(min(len(smoothed), steps)):
+            cross += np.outer(L @ smoothed[i] @ axis.force_row, D[i])
+            if i < len(gains):
+                L = L @ gains[i]
+        mixed = T @ cross[SIGMA_2_STATES]
+        result = T @ smoothed[0][np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] @ T.T + mixed + mixed.T
+        result += noise.process + axis.force_variance * D.T @ D
+        return np.asarray(result[:2, :2])
 
 
 class HME1(FilterScheme):
@@ -136,39 +162,3 @@ class HME1(FilterScheme):
 
 
 SCHEME = HME1()
-
-
-def predicted_covariance(
-    filtered: list[Array], predicted: list[Array], axis: AxisFilter, model: Discrete, steps: int
-) -> Array:
-    """Compute the covariance of a predicted position and velocity along one axis, shape (2, 2).
-
-    The prediction starts from the smoothed state of the oldest step s of the smoother's window and
-    covers `steps` steps. The window's last step is k. The smoothed state's error is correlated with
-    the noise of the inputs in the window. For the input i steps after s, this correlation is L_i
-    P_{s+i|k}, where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product of
-    the smoother's gains C. It is not correlated with the noise of inputs after the window.
-
-    filtered, predicted: covariances (4, 4) of each step of the window, oldest first.
-    axis: the filter's model for one axis.
-    model: the predictor's model of one IMU step; its states are position, velocity and bias.
-    steps: if 0, the newest filtered covariance is returned.
-    """
-    if steps == 0:
-        return filtered[-1][:2, :2]
-    A = axis.model.A
-    gains = [P @ A.T @ np.linalg.inv(Pm) for P, Pm in zip(filtered, predicted[1:], strict=False)]
-    smoothed = [filtered[-1]]
-    for P, Pm, C in zip(filtered[-2::-1], predicted[:0:-1], gains[::-1], strict=True):
-        smoothed.insert(0, P + C @ (smoothed[0] - Pm) @ C.T)
-    noise = prediction_noise(model, steps)
-    T, D = noise.transition, noise.response
-    cross, L = np.zeros((4, 3)), np.eye(4)
-    for i in range(min(len(smoothed), steps)):
-        cross += np.outer(L @ smoothed[i] @ axis.force_row, D[i])
-        if i < len(gains):
-            L = L @ gains[i]
-    mixed = T @ cross[SIGMA_2_STATES]
-    result = T @ smoothed[0][np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] @ T.T + mixed + mixed.T
-    result += noise.process + axis.force_variance * D.T @ D
-    return np.asarray(result[:2, :2])

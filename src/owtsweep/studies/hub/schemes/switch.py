@@ -56,15 +56,8 @@ def _start(known: Known, started: Callable[[Scheme], Estimator]) -> SwitchingEst
         boundary = compute_boundary(known.tuning, settings.below, settings.above, settings.crest)
     else:
         boundary = read_boundary(settings.boundary)
-    supervisor = Supervisor(
-        SeaWatch(sensors.step, settings.memory, settings.crest),
-        boundary,
-        hysteresis=settings.hysteresis,
-        step=sensors.step,
-        memory=settings.memory,
-        blend=settings.blend,
-        every=sensors.fix_interval,
-    )
+    watch = SeaWatch(sensors.step, settings.memory, settings.crest)
+    supervisor = Supervisor(watch, boundary, settings, sensors.step, sensors.fix_interval)
     return SwitchingEstimator(started(below), started(above), supervisor)
 
 

@@ -91,11 +91,9 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
                 "be computed; give a table of periods and amplitudes"
             )
     frequency = np.geomspace(config.band[1], config.band[0], FREQUENCIES)
-    motion, noise = [], []
-    for name in (below, above):
-        curve = curves_of(alone, name)
-        motion.append(curve.at(frequency)[measure, 1])
-        noise.append(2.0 * float(curve.noise[:, measure, 1].sum()))  # of both axes
+    curves = [curves_of(alone, name) for name in (below, above)]
+    motion = [curve.at(frequency)[measure, 1] for curve in curves]
+    noise = [2.0 * float(curve.noise[:, measure, 1].sum()) for curve in curves]  # of both axes
     gained, paid = motion[0] - motion[1], noise[1] - noise[0]
     if paid <= 0.0:
         # The scheme above has less noise too. Where it follows the motion worse, it is better at

@@ -98,8 +98,6 @@ def _pick(mostly: NDArray[np.bool_], below: Array | None, above: Array | None) -
     there = above if below is None else below
     if there is None:
         return None
-    none = np.full_like(there, np.nan)
     shape = (-1, *(1,) * (there.ndim - 1))
-    return np.where(
-        mostly.reshape(shape), none if above is None else above, none if below is None else below
-    )
+    little, much = (np.nan if each is None else each for each in (below, above))
+    return np.where(mostly.reshape(shape), much, little)

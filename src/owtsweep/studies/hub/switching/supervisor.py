@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import exp, isnan, pi, sqrt
 
 from owtsweep.arrays import Array
+from owtsweep.studies.hub.scheme_sections import Switch
 from owtsweep.studies.hub.switching.boundary import Boundary
 
 
@@ -85,28 +86,18 @@ class Supervisor:
     Until the watch has seen a motion for its `memory`, the scheme above is chosen: it is the one
     whose error grows less with the motion.
 
-    hysteresis: ratio of at least 1.
-    step, memory, blend: time between two estimates, time before the first choice, and time in which
-        the weight moves from 0 to 1, s. With blend 0 the weight jumps.
+    settings: of which it takes hysteresis, memory and blend. With blend 0 the weight jumps.
+    step: time between two estimates, s.
     every: number of steps from one choice to the next.
     """
 
     def __init__(
-        self,
-        watch: SeaWatch,
-        boundary: Boundary,
-        *,
-        hysteresis: float,
-        step: float,
-        memory: float,
-        blend: float,
-        every: int,
+        self, watch: SeaWatch, boundary: Boundary, settings: Switch, step: float, every: int
     ) -> None:
         self.watch, self.boundary = watch, boundary
-        self._hysteresis = hysteresis
-        self._every = every
-        self._until_choice = max(round(memory / step), 1)
-        self._rate = 1.0 if blend <= step else step / blend
+        self._hysteresis, self._every = settings.hysteresis, every
+        self._until_choice = max(round(settings.memory / step), 1)
+        self._rate = 1.0 if settings.blend <= step else step / settings.blend
         self._above, self._weight = True, 1.0
         #: How often the choice has changed.
         self.switches = 0
