@@ -148,9 +148,14 @@ def find_motion_errors(
     N = rows.fast.shape[1]
     # All numbers turn with the motion: the displacement is 1 at every step.
     back, late = np.exp(-1j * omega * step), scale * np.exp(-1j * omega * step * model.delay)
+
+    def follow(each: ClosedStep, state: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        measured = np.outer(each.fast, force) + np.outer(each.slow, late)
+        return np.asarray((each.loop @ state) * back + measured)
+
     state, loop = np.zeros((N, len(omega)), complex), np.eye(N)
     for each in steps:
-        state = each.copy @ _follow(each, state, back, force, late)
+        state = each.copy @ follow(each, state)
         loop = each.copy @ each.loop @ loop
     over_cycle = np.exp(-1j * omega * step * model.interval)
     repeating = np.eye(N) - over_cycle[:, None, None] * loop
@@ -158,23 +163,10 @@ def find_motion_errors(
     truth = np.stack([np.ones(len(omega)), 1j * omega])
     total = np.zeros((2, len(omega)))
     for each in steps:
-        state = _follow(each, state, back, force, late)
+        state = follow(each, state)
         total += np.abs(outputs @ state[:n] - truth) ** 2
         state = each.copy @ state
     return total / model.interval
-
-
-def _follow(
-    each: ClosedStep,
-    state: NDArray[np.complex128],
-    back: NDArray[np.complex128],
-    force: NDArray[np.complex128],
-    late: NDArray[np.complex128],
-) -> NDArray[np.complex128]:
-    """Return the state (N, m) after a step's measurements, in numbers that turn with the motion."""
-    result = (each.loop @ state) * back
-    result += np.outer(each.fast, force) + np.outer(each.slow, late)
-    return np.asarray(result)
 
 
 def find_noise_errors(

@@ -14,7 +14,6 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise, predict
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
-from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.checks import check_mhe
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme, run_stepwise
@@ -27,30 +26,55 @@ from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.sensors import Sensors
 
 
-class MovingHorizonEstimator:
-    """The MHE of HME2 on two axes, with its registers 2 and 3.
+class HME2Estimator(HME1Estimator):
+    """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019).
 
-    Register 2 stores position fixes and inputs; register 3 stores states of the filter. There is a
-    node at each step at which a fix is due. If the fix is missing, the node has no measurement.
-    Source: Algorithms 4 and 5 and Eq. (11) of Ren et al. (2019). The paper prints that both parts
-    of register 2 are built from register 1. This class builds both from the past of register 2,
-    which must be what the paper means.
-
-    gains: HME2 as a chain, with precomputed covariances of the filter.
-    solver: the solver that CasADi uses: "qrqp" or "ipopt".
+    It has the MHE on two axes, with its registers 2 and 3. Register 2 stores position fixes and
+    inputs; register 3 stores states of the filter. There is a node at each step at which a fix is
+    due. If the fix is missing, the node has no measurement. Source: Algorithms 4 and 5 and Eq. (11)
+    of Ren et al. (2019). The paper prints that both parts of register 2 are built from register 1.
+    This class builds both from the past of register 2, which must be what the paper means.
     """
 
-    def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
-        self.mhe, self.sensors, self.gains, self.solver = mhe, sensors, gains, solver
-        self.on_schedule = True
-        self.model = discretise(sigma_2(0.0, 0.0, mhe.lean), sensors.step)
+    def __init__(self, known: Known, scheme: HME2) -> None:
+        super().__init__(known, scheme)
+        mhe = scheme.make_horizon(known.tuning, known.sensors)
+        self.mhe, self.solver = mhe, known.tuning.hme.mhe.solver
+        self.model = discretise(sigma_2(0.0, 0.0, mhe.lean), known.sensors.step)
         self.fixes: deque[Array | None] = deque(maxlen=mhe.length + 1)
         self.effects: deque[Array] = deque(maxlen=mhe.length)  # B u, one per GNSS interval
-        self.states: dict[int, FilterStep] = {}  # register 3, by the number of the node
+        # register 3, by the number of the node; windows start from these states
+        self.states: dict[int, FilterStep] = {}
         self.inputs: list[Array] = []  # since the last node, held or averaged as the MHE uses them
         self.recent: list[Array] = []  # samples since the last multiple of the MHE's interval T_m
         self.held: Array = np.zeros(2)
         self.fix_number = -1
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """Take an IMU sample, and a position fix or None; return the estimate of the present.
+
+        Raises ValueError if a fix comes at a step at which no fix is due. The MHE could not use it.
+        """
+        interval = self.sensors.fix_interval
+        since_fix = self.count % interval
+        if position is not None and since_fix:
+            raise ValueError(OFF_GRID.format(step=self.count, interval=interval, after=""))
+        delayed = self.push(specific_force)
+        if since_fix == 0:
+            if position is None:
+                self.on_schedule = False
+            self.take_fix(None if position is None else np.array(position, dtype=float))
+        fix = None
+        if not self.determined():
+            fix = position  # too few fixes for a window: the filter gets the fix itself
+        elif self.count % self.mhe.interval == 0:
+            fix = self.position(since_fix)
+        self.take_input(self.count, self.sensors.rotation @ delayed)
+        estimate, filtered = self.advance(delayed, fix)
+        if since_fix == 0:
+            self.states[self.fix_number] = filtered
+            self.states.pop(self.fix_number - self.mhe.length - 1, None)
+        return estimate
 
     def take_fix(self, fix: Array | None) -> None:
         """Begin the next node, when a fix is due; store the fix in NED, m, (2,), in register 2."""
@@ -77,11 +101,6 @@ class MovingHorizonEstimator:
             self.held = averaged if self.mhe.inputs == "averaged" else force
             self.recent = []
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
-
-    def take_state(self, filtered: FilterStep) -> None:
-        """Store the filter's results for the newest node in register 3; windows start from them."""
-        self.states[self.fix_number] = filtered
-        self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
         """Solve the window; return the position `since_fix` IMU steps after the newest node.
@@ -113,40 +132,6 @@ class MovingHorizonEstimator:
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
-
-
-class HME2Estimator(HME1Estimator):
-    """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
-
-    def __init__(self, known: Known, scheme: HME2) -> None:
-        super().__init__(known, scheme)
-        mhe, solver = scheme.make_horizon(known.tuning, known.sensors), known.tuning.hme.mhe.solver
-        self.mhe = MovingHorizonEstimator(mhe, known.sensors, self.gains, solver)
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the estimate of the present.
-
-        Raises ValueError if a fix comes at a step at which no fix is due. The MHE could not use it.
-        """
-        interval = self.sensors.fix_interval
-        since_fix = self.count % interval
-        if position is not None and since_fix:
-            raise ValueError(OFF_GRID.format(step=self.count, interval=interval, after=""))
-        delayed = self.push(specific_force)
-        if since_fix == 0:
-            if position is None:
-                self.on_schedule = self.mhe.on_schedule = False
-            self.mhe.take_fix(None if position is None else np.array(position, dtype=float))
-        fix = None
-        if not self.mhe.determined():
-            fix = position  # too few fixes for a window: the filter gets the fix itself
-        elif self.count % self.mhe.mhe.interval == 0:
-            fix = self.mhe.position(since_fix)
-        self.mhe.take_input(self.count, self.sensors.rotation @ delayed)
-        estimate, filtered = self.advance(delayed, fix)
-        if since_fix == 0:
-            self.mhe.take_state(filtered)
-        return estimate
 
 
 class HME2(HME1):
