@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +23,6 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.structures.description import Structure, Tube
 from owtsweep.structures.sections import Sections, list_bodies
-
-if TYPE_CHECKING:
-    from skfem.assembly.form.form import FormExtraParams
-    from skfem.element import DiscreteField
 
 #: Order up to which polynomials are integrated exactly: tapered walls, and squares of cubics.
 ORDER = 10
@@ -113,7 +108,7 @@ def list_nodes(structure: Structure, low: float, high: float) -> Array:
     Raise `InputError` if a cut is not at the end of a tube, or fewer than two elements lie between
     the cuts.
     """
-    ends = _ends(structure)
+    ends = np.array(structure.ends())
     for name, cut in (("low", low), ("high", high)):
         require(
             float(np.min(np.abs(ends - cut))) <= NEAR,
@@ -145,7 +140,7 @@ def assemble_whole(
     subdivision: Into how many elements each tube is divided.
     soil_factor: Factor on the stiffness of soil or foundation.
     """
-    nodes = _divide(_ends(structure), subdivision)
+    nodes = _divide(np.array(structure.ends()), subdivision)
     beam = _assemble(structure, nodes, gravity=gravity, soil_factor=soil_factor)
     _add_bodies(beam, list_bodies(structure, side=side), structure.gravity if gravity else 0.0)
     if structure.foundation is not None:
@@ -153,11 +148,6 @@ def assemble_whole(
     if structure.clamped:
         return replace(beam, free=np.arange(2, len(beam.mass)))
     return beam
-
-
-def _ends(structure: Structure) -> Array:
-    spans = list(structure.spans())
-    return np.array([spans[0][1], *(high for _, _, high in spans)])
 
 
 def _divide(ends: Array, subdivision: int) -> Array:
@@ -174,11 +164,9 @@ def _assemble(
     from skfem.helpers import dd
 
     basis = Basis(MeshLine(nodes), ElementLineHermite(), intorder=ORDER)
-    section = Sections(structure, sum(mass for _, mass, _, _ in list_bodies(structure)))
+    section = Sections(structure)
 
-    def form(
-        integrand: Callable[[DiscreteField, DiscreteField, FormExtraParams], Array],
-    ) -> Array:
+    def form(integrand: Callable[..., Array]) -> Array:
         return np.asarray(BilinearForm(integrand).assemble(basis).toarray())
 
     stiffness = form(lambda w, v, p: section.bending(p.x[0]) * dd(w)[0][0] * dd(v)[0][0])
@@ -209,7 +197,7 @@ def moment_matrix(structure: Structure, beam: PlaneBeam) -> Array:
     """
     nodes = len(beam.heights)
     below, above = np.zeros((2, nodes, 2 * nodes))
-    section = Sections(structure, 0.0)
+    section = Sections(structure)
     for i, (low, high) in enumerate(zip(beam.heights[:-1], beam.heights[1:], strict=True)):
         length = high - low
         inside = np.array([low, high]) + NEAR * np.array([1.0, -1.0])  # of this element's tube

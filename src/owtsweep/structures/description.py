@@ -7,7 +7,6 @@ units (angles in degrees).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -20,6 +19,7 @@ from owtsweep.config import (
     NotNegative,
     Positive,
     Section,
+    changed,
     conf_directory,
     key,
     require,
@@ -165,10 +165,8 @@ class Soil(Section):
 
     def with_angle(self, friction_angle: float) -> Soil:
         """Return the soil with one friction angle (degrees) in every layer."""
-        layers = [
-            layer.model_copy(update={"friction_angle": friction_angle}) for layer in self.layers
-        ]
-        return self.model_copy(update={"layers": layers})
+        layers = [changed(layer, friction_angle=friction_angle) for layer in self.layers]
+        return changed(self, layers=layers)
 
 
 class Foundation(Section):
@@ -235,22 +233,21 @@ class Structure(Section):
         """The height of the structure's top, m, where motion is given."""
         return self.tubes[-1].top
 
-    def spans(self) -> Iterator[tuple[Tube, float, float]]:
-        """Yield pieces of tubes that neither the mudline nor the sea level divides.
+    def ends(self) -> list[float]:
+        """Return the ends of pieces of tubes that neither mudline, sea level nor points divide, m.
 
-        Each is the tube and the heights of the piece's ends, m. A piece begins where the piece
-        below ends; so a gap of rounding between two tubes is closed. No piece is shorter than
-        `SHORTEST`: a cut that is nearer to the last one, or to the tube's top, is left out.
+        The heights are from the lower end upwards. A piece begins where the piece below ends; so a
+        gap of rounding between two tubes is closed. No piece is shorter than `SHORTEST`: a cut that
+        is nearer to the last one, or to the tube's top, is left out.
         """
         cuts = sorted((self.mudline, 0.0, *(p.height for p in self.points)))
-        low = self.bottom
+        ends = [self.bottom]
         for tube in self.tubes:
             for cut in cuts:
-                if low + SHORTEST <= cut <= tube.top - SHORTEST:
-                    yield tube, low, cut
-                    low = cut
-            yield tube, low, tube.top
-            low = tube.top
+                if ends[-1] + SHORTEST <= cut <= tube.top - SHORTEST:
+                    ends.append(cut)
+            ends.append(tube.top)
+        return ends
 
     def check(self) -> None:
         """Raise `InputError` if the numbers do not describe a structure that stands."""

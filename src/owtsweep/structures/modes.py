@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,8 +29,6 @@ from owtsweep.structures.sections import Sections, list_bodies
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix, csr_matrix
     from skfem import Basis
-    from skfem.assembly.form.form import FormExtraParams
-    from skfem.element import DiscreteField
 
 #: Longest element, m.
 ELEMENT = 1.0
@@ -65,21 +64,19 @@ def assemble(structure: Structure, blades: int = 0) -> Beam:
     from scipy.sparse import bmat, lil_matrix
     from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
 
-    mesh = MeshLine(_nodes(structure))
-    of_w, of_theta = (
-        Basis(mesh, element, intorder=ORDER) for element in (ElementLineP2(), ElementLineP1())
-    )
-    shear_w, shear_theta = (
-        Basis(mesh, element, intorder=SHEAR_ORDER) for element in (ElementLineP2(), ElementLineP1())
-    )
-    bodies = list_bodies(structure, blades)
+    pieces = [
+        np.linspace(low, high, int(np.ceil((high - low) / ELEMENT)) + 1)
+        for low, high in pairwise(structure.ends())
+    ]
+    mesh = MeshLine(np.unique(np.concatenate(pieces)))
+    elements = ElementLineP2(), ElementLineP1()
+    of_w, of_theta = (Basis(mesh, element, intorder=ORDER) for element in elements)
+    shear_w, shear_theta = (Basis(mesh, element, intorder=SHEAR_ORDER) for element in elements)
+    section = Sections(structure, blades)
 
-    def form(
-        integrand: Callable[[DiscreteField, DiscreteField, FormExtraParams], Array], *bases: Basis
-    ) -> csr_matrix:
+    def form(integrand: Callable[..., Array], *bases: Basis) -> csr_matrix:
         return BilinearForm(integrand).assemble(*bases)
 
-    section = Sections(structure, sum(mass for _, mass, _, _ in bodies))
     K_ww = (
         form(lambda w, v, p: section.shear(p.x[0]) * w.grad[0] * v.grad[0], shear_w)
         + form(lambda w, v, p: -section.compression(p.x[0]) * w.grad[0] * v.grad[0], of_w)
@@ -96,7 +93,7 @@ def assemble(structure: Structure, blades: int = 0) -> Beam:
     heights = of_w.doflocs[0][order]
     theta_heights = of_theta.doflocs[0]
     bodies_mass = lil_matrix((of_w.N + of_theta.N, of_w.N + of_theta.N))
-    for height, mass, offset, inertia in bodies:
+    for height, mass, offset, inertia in list_bodies(structure, blades):
         w = order[np.argmin(np.abs(heights - height))]
         t = of_w.N + int(np.argmin(np.abs(theta_heights - height)))
         bodies_mass[w, w] += mass
@@ -118,15 +115,6 @@ def assemble(structure: Structure, blades: int = 0) -> Beam:
         hub_slope=of_w.N + int(np.argmax(theta_heights)),
         free=free,
     )
-
-
-def _nodes(structure: Structure) -> Array:
-    """Return the heights (m) of the elements' ends: all ends of spans, and points between."""
-    ends = [
-        np.linspace(low, high, int(np.ceil((high - low) / ELEMENT)) + 1)
-        for _, low, high in structure.spans()
-    ]
-    return np.unique(np.concatenate(ends))
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ Both hold from 28 to 40 degrees; below 27 degrees the first is negative.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -25,15 +26,17 @@ from owtsweep.structures.description import Soil, Structure, Tube
 
 
 class Sections:
-    """The properties of a structure's cross-sections at heights in m, arrays of any shape."""
+    """The properties of a structure's cross-sections at heights in m, arrays of any shape.
 
-    def __init__(self, structure: Structure, bodies_mass: float) -> None:
+    The weight is that of the structure with some `blades` on the hub.
+    """
+
+    def __init__(self, structure: Structure, blades: int = 0) -> None:
         self.structure = structure
-        self.spans = list(structure.spans())
-        self.bodies_mass = bodies_mass
+        self.bodies_mass = sum(mass for _, mass, _, _ in list_bodies(structure, blades))
         #: Mass of tubes (kg) between the lower end and heights (m), finely sampled.
         self.sampled = np.unique(
-            np.concatenate([np.linspace(low, high, 201) for _, low, high in self.spans])
+            np.concatenate([np.linspace(*ends, 201) for ends in pairwise(structure.ends())])
         )
         middle = 0.5 * (self.sampled[1:] + self.sampled[:-1])
         below = np.cumsum(self._steel(middle) * np.diff(self.sampled))

@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Literal, TypedDict
+from typing import Any, Literal
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import Finite, Positive, Section, key, require
 from owtsweep.config.hints import suggest_name
+from owtsweep.errors import InputError
 
 #: Stress unit of S-N curves, Pa.
 MPA = 1e6
@@ -144,11 +145,10 @@ def make_curve(branches: Sequence[Branch], knee: float | None) -> SNCurve:
     if len(m) == 1:
         require(knee is None, "fatigue.knee: a single branch has no knee; leave it out")
         return SNCurve("own", m, log_a)
-    require(
-        knee is not None,
-        "fatigue.knee: two branches need the number of cycles at which they meet, e.g. 1e7",
-    )
-    assert knee is not None  # for mypy
+    if knee is None:
+        raise InputError(
+            "fatigue.knee: two branches need the number of cycles at which they meet, e.g. 1e7"
+        )
     curve = SNCurve("own", m, log_a, knee)
     require(
         m[1] > m[0],
@@ -168,17 +168,10 @@ def measure_gap(curve: SNCurve) -> float:
     return float(abs(curve.log_a[1] - curve.m[1] * stress - np.log10(curve.knee)))
 
 
-class _Environment(TypedDict):
-    """The S-N curves of an environment: the cycles of the knee, and class -> m and log_a."""
-
-    knee: float
-    curves: dict[str, dict[str, list[float]]]
-
-
 @cache
-def _read_table() -> dict[str, _Environment]:
+def _read_table() -> Any:
+    """Return environment -> the cycles of the knee, and class -> m and log_a."""
     import yaml
 
     source = resources.files("owtsweep.structures") / "data" / "dnv_rp_c203.yaml"
-    table: dict[str, _Environment] = yaml.safe_load(source.read_text(encoding="utf-8"))
-    return table
+    return yaml.safe_load(source.read_text(encoding="utf-8"))
