@@ -22,6 +22,7 @@ one size. A model also says which loads act at the cuts, as a linear function of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,9 @@ from owtsweep.estimation.input_state import InputStateModel, hold_inputs
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced, reduce_held
 from owtsweep.studies.tower.contract import Channel, Estimates, Setting
+
+#: Number of the wave load q among the inputs F0, M0, F175, M175, q.
+WAVE = 4
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ class Model:
 
     def read(self, states: Array, inputs: Array) -> Estimates:
         """Turn states (steps, 2 modes) and scaled inputs (steps, inputs) into estimates."""
-        wave = self.inputs == 4
+        wave = self.inputs == WAVE
         return Estimates(
             displacement=states[:, : self.modes] @ self.basis.T,
             inputs=states @ self.loads_of_state.T + inputs @ self.loads_of_input.T,
@@ -75,21 +79,19 @@ def model_cut(setting: Setting, *, wave: bool = False) -> Model:
 
     With `wave`, a wave load that falls linearly from sea level to the ground is a fifth input.
     """
-    dof = len(setting.cut.mass)
-    loads = np.zeros((dof, 4))
-    loads[list_interfaces(setting.cut), np.arange(4)] = 1.0
     inputs = np.arange(5 if wave else 4)
+    loads = np.zeros((len(setting.cut.mass), len(inputs)))
+    loads[list_interfaces(setting.cut), np.arange(4)] = 1.0
     if wave:
-        loads = np.column_stack([loads, setting.wave_shape])
-    scale = choose_scale(setting)[inputs]
-    reduced = setting.reduced
-    damping = reduced.basis.T @ setting.cut_damping @ reduced.basis
+        loads[:, WAVE] = setting.wave_shape
+    scale, basis = choose_scale(setting)[inputs], setting.reduced.basis
+    rate, drive = _accelerate(setting.reduced, setting.cut_damping, loads * scale)
     return Model(
-        discrete=_discretise(setting, reduced, reduced.basis, damping, loads * scale),
+        discrete=_discretise(setting, basis, rate, drive),
         scale=scale,
         inputs=inputs,
-        basis=reduced.basis,
-        loads_of_state=np.zeros((4, 2 * len(reduced.omega))),
+        basis=basis,
+        loads_of_state=np.zeros((4, rate.shape[1])),
         loads_of_input=np.diag(scale)[:4],
     )
 
@@ -101,27 +103,21 @@ def model_whole(setting: Setting, *, wave: bool = False) -> Model:
     the wave load. The lowest `setting.whole_modes` modes are kept.
     """
     at = list_whole_dof(setting)
-    loads = np.zeros((len(setting.whole.mass), 2))
+    inputs = np.array([2, 3, WAVE] if wave else [2, 3])
+    loads = np.zeros((len(setting.whole.mass), len(inputs)))
     loads[at[-2:], [0, 1]] = 1.0
-    inputs = np.array([2, 3, 4] if wave else [2, 3])
     if wave:
-        spread = np.zeros(len(loads))
-        spread[at] = setting.wave_shape
-        loads = np.column_stack([loads, spread])
+        loads[at, 2] = setting.wave_shape
     scale = choose_scale(setting)[inputs]
     reduced = reduce_held(setting.whole, setting.whole_modes)
-    damping = reduced.basis.T @ setting.whole_damping @ reduced.basis
     displaced, moving, accelerated = balance_loads(setting, reduced.basis)
-    rate, drive = _accelerate(reduced, damping, loads * scale)
-    modes = len(reduced.omega)
-    of_state = accelerated @ rate
-    of_state[:, :modes] += displaced
-    of_state[:, modes:] += moving
+    rate, drive = _accelerate(reduced, setting.whole_damping, loads * scale)
+    of_state = accelerated @ rate + np.hstack([displaced, moving])
     of_input = accelerated @ drive
     if wave:
         of_input[2:, 2] -= balance_wave(setting) * scale[2]
     return Model(
-        discrete=_discretise(setting, reduced, reduced.basis[at], damping, loads * scale),
+        discrete=_discretise(setting, reduced.basis[at], rate, drive),
         scale=scale,
         inputs=inputs,
         basis=reduced.basis[at],
@@ -198,40 +194,27 @@ def move_rigidly(cut: PlaneBeam) -> Array:
     return rigid
 
 
-def observe(
-    channels: tuple[Channel, ...], shapes: Array, strain: Array, rate: Array, drive: Array
-) -> tuple[Array, Array]:
-    """Return G and J of Eq. (13) for channels.
-
-    `shapes`: displacements of the cut's degrees of freedom for unit coordinates, shape (dof,
-    modes). `strain`: strains for unit degrees of freedom, shape (nodes, dof). `rate`, `drive`: the
-    coordinates' acceleration is rate x + drive p; shapes (modes, 2 modes), (modes, inputs).
-    """
-    modes = shapes.shape[1]
-    G, J = np.zeros((len(channels), 2 * modes)), np.zeros((len(channels), drive.shape[1]))
-    for row, channel in enumerate(channels):
-        if channel.kind == "a":
-            shape = shapes[2 * channel.node]
-            G[row], J[row] = shape @ rate, shape @ drive
-        else:
-            G[row, :modes] = see(channel, shapes, strain)
-    return G, J
-
-
 def see(channel: Channel, shapes: Array, strain: Array) -> Array:
-    """Return what a channel (not an accelerometer) reads of unit coordinates, shape (modes,)."""
+    """Return what a channel reads of unit coordinates, an accelerometer of their acceleration.
+
+    `shapes`: displacements of the cut's degrees of freedom for unit coordinates, (dof, shapes).
+    `strain`: strains for unit degrees of freedom, shape (nodes, dof). The result has the shape
+    (shapes,).
+    """
     if channel.kind == "strain":
         return np.asarray(strain[channel.node] @ shapes)
     return np.asarray(shapes[2 * channel.node + (channel.kind == "theta")])
 
 
-def decompose(seen: Array, weight: Array) -> tuple[int, Array]:
+def decompose(
+    sensors: Sequence[Channel], weight: Array, shapes: Array, strain: Array
+) -> tuple[int, Array]:
     """Return how many shapes sensors tell apart, and the coordinates of shapes for unit signals.
 
-    By weighted least squares, with columns of one size. `seen` is what sensors read of unit
-    coordinates, times their `weight`, shapes (sensors, shapes) and (sensors,); coordinates have the
-    shape (shapes, sensors).
+    By least squares with a `weight` of each sensor, shape (sensors,), and columns of one size.
+    `shapes` and `strain` are as in `see`; coordinates have the shape (shapes, sensors).
     """
+    seen = weight[:, None] * np.array([see(sensor, shapes, strain) for sensor in sensors])
     size = np.linalg.norm(seen, axis=0)
     size[size == 0.0] = 1.0
     rank = int(np.linalg.matrix_rank(seen / size))
@@ -239,20 +222,28 @@ def decompose(seen: Array, weight: Array) -> tuple[int, Array]:
 
 
 def _accelerate(reduced: Reduced, damping: Array, loads: Array) -> tuple[Array, Array]:
-    """Return the acceleration of coordinates for unit states and unit inputs (Eq. 3)."""
-    return np.hstack([-reduced.stiffness, -damping]), reduced.basis.T @ loads
+    """Return the acceleration of coordinates for unit states and unit inputs (Eq. 3).
+
+    `damping` (dof, dof) and `loads` (dof, inputs) are those of the beam that is reduced.
+    """
+    own = reduced.basis.T @ damping @ reduced.basis
+    return np.hstack([-reduced.stiffness, -own]), reduced.basis.T @ loads
 
 
-def _discretise(
-    setting: Setting, reduced: Reduced, shapes: Array, damping: Array, loads: Array
-) -> InputStateModel:
+def _discretise(setting: Setting, shapes: Array, rate: Array, drive: Array) -> InputStateModel:
     """Assemble Eqs. (11) and (13) and hold the inputs over a step.
 
-    `shapes` (dof of the cut, modes) is what sensors see; `loads` (dof, inputs) is for `reduced`.
+    `shapes` (dof of the cut, modes) is what sensors see. The coordinates' acceleration is rate x +
+    drive p; shapes (modes, 2 modes) and (modes, inputs).
     """
-    modes = len(reduced.omega)
-    rate, drive = _accelerate(reduced, damping, loads)
-    A = np.vstack([np.hstack([np.zeros((modes, modes)), np.eye(modes)]), rate])
+    modes, channels = len(rate), setting.channels
+    A = np.vstack([np.eye(modes, 2 * modes, modes), rate])
     B = np.vstack([np.zeros_like(drive), drive])
-    G, J = observe(setting.channels, shapes, setting.strain, rate, drive)
+    G, J = np.zeros((len(channels), 2 * modes)), np.zeros((len(channels), drive.shape[1]))
+    for row, channel in enumerate(channels):
+        shape = see(channel, shapes, setting.strain)
+        if channel.kind == "a":
+            G[row], J[row] = shape @ rate, shape @ drive
+        else:
+            G[row, :modes] = shape
     return hold_inputs(A, B, G, J, setting.step)

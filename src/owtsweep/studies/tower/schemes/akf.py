@@ -21,18 +21,16 @@ P^-_{k-1} in the prediction, where P_{k-1} belongs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Literal
 
 from owtsweep.estimation.augmented import make_augmented, make_lagged, make_steady
+from owtsweep.estimation.input_state import Filter
 from owtsweep.estimation.latent import make_latent
-from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut, model_whole
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
-    Settled,
     noise_of_sensors,
     noise_of_states,
     noises_of_walks,
@@ -41,24 +39,24 @@ from owtsweep.studies.tower.schemes.filtered import (
 )
 
 
-def tune(setting: Setting, model: Model) -> Settled:
+def tune(setting: Setting, model: Model) -> Filter:
     """Make the augmented Kalman filter of a model."""
     walks = noises_of_walks(setting, model)
     return make_augmented(model.discrete, *walks, prior(setting, model))
 
 
-def tune_steady(setting: Setting, model: Model) -> Settled:
+def tune_steady(setting: Setting, model: Model) -> Filter:
     """Make the augmented Kalman filter of a model with its steady gain."""
     return make_steady(model.discrete, *noises_of_walks(setting, model))
 
 
-def tune_lagged(setting: Setting, model: Model) -> Settled:
+def tune_lagged(setting: Setting, model: Model) -> Filter:
     """Make the smoother of a model."""
     walks, lag = noises_of_walks(setting, model), round(setting.tuning.lag / setting.step)
     return make_lagged(model.discrete, *walks, prior(setting, model), lag)
 
 
-def tune_latent(setting: Setting, model: Model, kernel: Literal["matern12", "matern32"]) -> Settled:
+def tune_latent(setting: Setting, model: Model, kernel: Literal["matern12", "matern32"]) -> Filter:
     """Make the filter of a model, with the tuning's sizes and correlation times of loads."""
     return make_latent(
         model.discrete,
@@ -70,23 +68,12 @@ def tune_latent(setting: Setting, model: Model, kernel: Literal["matern12", "mat
     )
 
 
-def add_wave(name: str, model: Callable[..., Model]) -> Callable[[Setting], Model]:
-    """Return a maker of models with a wave load; `Unable` where the structure is in no water."""
-
-    def make(setting: Setting) -> Model:
-        if not setting.wave_shape.any():
-            raise Unable(f"{name} has no wave load to estimate: the structure stands in no water")
-        return model(setting, wave=True)
-
-    return make
-
-
 SCHEME = FilterScheme("AKF", model_cut, tune, SOIL)
-AKF_WAVE = FilterScheme("AKF_WAVE", add_wave("AKF_WAVE", model_cut), tune, SOIL)
+AKF_WAVE = FilterScheme("AKF_WAVE", partial(model_cut, wave=True), tune, SOIL)
 AKF_STEADY = FilterScheme("AKF_STEADY", model_cut, tune_steady, SOIL)
 AKF_LAGGED = FilterScheme("AKF_LAGGED", model_cut, tune_lagged, SOIL)
 AKF_WHOLE = FilterScheme("AKF_WHOLE", model_whole, tune)
-AKF_WHOLE_WAVE = FilterScheme("AKF_WHOLE_WAVE", add_wave("AKF_WHOLE_WAVE", model_whole), tune)
+AKF_WHOLE_WAVE = FilterScheme("AKF_WHOLE_WAVE", partial(model_whole, wave=True), tune)
 AKF_MATERN12 = FilterScheme(
     "AKF_MATERN12", model_cut, partial(tune_latent, kernel="matern12"), SOIL, any_input=False
 )

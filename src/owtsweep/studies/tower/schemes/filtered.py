@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.augmented import augment
+from owtsweep.estimation.input_state import Filter
 from owtsweep.estimation.lagged import Lagged
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
-from owtsweep.studies.tower.models import Model
+from owtsweep.studies.tower.models import WAVE, Model
 
 #: A settled filter is unstable if an eigenvalue of its closed loop exceeds 1 by more.
 BEYOND = 1e-9
@@ -30,27 +30,12 @@ MARGINAL = 1e-7
 RIGID = 1e-9
 
 
-class Settled(Protocol):
-    """A filter with the closed loop x[k] = F x[k-1] + K y[k] after its gains have settled."""
-
-    @property
-    def F(self) -> Array:
-        """The closed loop, shape (N, N)."""
-
-    @property
-    def K(self) -> Array:
-        """The gain, shape (N, channels)."""
-
-    def run(self, y: Array) -> Array:
-        """Return states, then inputs, for measurements (steps, channels)."""
-
-
 @dataclass(frozen=True)
 class Filtered:
     """A filter made ready for one setting; `latency` in, s."""
 
     model: Model
-    filter: Settled
+    filter: Filter
     latency: float = 0.0
 
     def run(self, measured: Array) -> Estimates:
@@ -72,16 +57,21 @@ class FilterScheme(Scheme):
 
     name: str
     model: Callable[[Setting], Model]
-    tune: Callable[[Setting, Model], Settled]
+    tune: Callable[[Setting, Model], Filter]
     ignores: Sequence[str] = ()
     any_input: bool = True
 
     def prepare(self, setting: Setting) -> Filtered:
         """Compute the gains for a setting.
 
-        Raise `Unable` if the filter is unstable there, or does not see how the structure is bent.
+        Raise `Unable` if the filter is unstable there, does not see how the structure is bent, or
+        has a wave load where the structure stands in no water.
         """
         model = self.model(setting)
+        if WAVE in model.inputs and not setting.wave_shape.any():
+            raise Unable(
+                f"{self.name} has no wave load to estimate: the structure stands in no water"
+            )
         if self.any_input:
             check_seen(self.name, setting, model)
         made = self.tune(setting, model)

@@ -16,12 +16,12 @@ import numpy as np
 
 from owtsweep.estimation.dual import make_dual
 from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
+from owtsweep.estimation.input_state import Filter
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
-    Settled,
     noise_of_sensors,
     noise_of_states,
     noises_of_walks,
@@ -29,7 +29,7 @@ from owtsweep.studies.tower.schemes.filtered import (
 )
 
 
-def tune_joint(setting: Setting, model: Model) -> Settled:
+def tune_joint(setting: Setting, model: Model) -> Filter:
     """Make the joint filter of a model; `Unable` if the feedthrough matrix has too small a rank."""
     rank, inputs = find_feedthrough_rank(model.discrete.J), len(model.inputs)
     if rank < inputs:
@@ -43,7 +43,7 @@ def tune_joint(setting: Setting, model: Model) -> Settled:
     )
 
 
-def tune_dual(setting: Setting, model: Model) -> Settled:
+def tune_dual(setting: Setting, model: Model) -> Filter:
     """Make the dual filter of a model."""
     return make_dual(
         model.discrete,

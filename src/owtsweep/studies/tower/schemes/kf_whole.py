@@ -29,7 +29,6 @@ from owtsweep.studies.tower.contract import Setting
 from owtsweep.studies.tower.models import Model, model_whole
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
-    Settled,
     noise_of_sensors,
     noise_of_states,
     size_of_inputs,
@@ -52,7 +51,7 @@ def model_twice(setting: Setting) -> Model:
     )
 
 
-def tune(setting: Setting, model: Model) -> Settled:
+def tune(setting: Setting, model: Model) -> Filter:
     """Make the filter of a model with slow parts and white noise, with its steady gain.
 
     All of the model is stable, so the Riccati equation has a steady solution, which the

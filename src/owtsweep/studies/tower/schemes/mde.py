@@ -34,7 +34,6 @@ from owtsweep.studies.tower.models import (
     decompose,
     list_whole_dof,
     respond_statically,
-    see,
 )
 
 #: Where the quasi-static band ends and the upper one begins, over the first natural frequency.
@@ -132,13 +131,7 @@ def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expand
     if numbers:
         sensors = [setting.channels[i] for i in numbers]
         weight = np.array([1.0 if s.kind == "a" else 1.0 / s.sigma for s in sensors])
-        seen = weight[:, None] * np.array(
-            [
-                shapes[2 * s.node] if s.kind == "a" else see(s, shapes, setting.strain)
-                for s in sensors
-            ]
-        )
-        rank, coordinates[:, numbers] = decompose(seen, weight)
+        rank, coordinates[:, numbers] = decompose(sensors, weight, shapes, setting.strain)
         if rank < shapes.shape[1]:
             raise Unable(
                 f"MDE is blind: its sensors see {rank} of {shapes.shape[1]} shapes of a band"

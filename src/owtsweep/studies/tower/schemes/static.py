@@ -74,13 +74,8 @@ class QuasiStatic(Scheme):
         loads[:, 3] = [0.0, -1.0, 0.0, 1.0]
         if not any(channel.kind == "x" for channel in channels):
             shapes, loads = shapes[:, 1:], loads[:, 1:]  # no sensor feels translation
-        seen = np.zeros((len(channels), shapes.shape[1]))
-        weight = np.zeros(len(channels))
-        for row, channel in enumerate(channels):
-            if channel.kind != "a":
-                weight[row] = 1.0 / channel.sigma
-                seen[row] = see(channel, shapes, setting.strain) * weight[row]
-        rank, coordinates = decompose(seen, weight)
+        weight = np.array([0.0 if each.kind == "a" else 1.0 / each.sigma for each in channels])
+        rank, coordinates = decompose(channels, weight, shapes, setting.strain)
         if rank < shapes.shape[1]:
             raise Unable(
                 f"QUASI_STATIC is blind: its sensors (accelerometers do not count) see {rank} of "
@@ -90,33 +85,13 @@ class QuasiStatic(Scheme):
         return Shapes(coordinates, shapes, loads)
 
 
-@dataclass(frozen=True)
-class Lever:
-    """The static response to a thrust, for one setting.
-
-    `channel`, `per_reading`: number of the sensor that gives the thrust, and thrust over its
-    reading, N per unit. `shape`: displacements of the cut's degrees of freedom for a unit thrust,
-    shape (dof,). `loads`: interface loads for a unit thrust, shape (4,).
-    """
-
-    channel: int
-    per_reading: float
-    shape: Array
-    loads: Array
-
-    def run(self, measured: Array) -> Estimates:
-        """Estimate from measurements, shape (steps, channels)."""
-        thrust = measured[:, self.channel] * self.per_reading
-        return Estimates(np.outer(thrust, self.shape), np.outer(thrust, self.loads))
-
-
 class ThrustLever(Scheme):
     """The scheme THRUST_LEVER."""
 
     name = "THRUST_LEVER"
 
-    def prepare(self, setting: Setting) -> Lever:
-        """Choose the sensor and compute the static response.
+    def prepare(self, setting: Setting) -> Shapes:
+        """Choose the sensor and compute the static response: one shape, whose size is the thrust.
 
         Raise `Unable` if there is no sensor but accelerometers, or the sensor does not feel thrust.
         """
@@ -131,12 +106,9 @@ class ThrustLever(Scheme):
         if abs(reading) <= 1e-12 * np.abs(shape).max():
             raise Unable("THRUST_LEVER is blind: its sensor does not feel thrust")
         length = setting.cut.heights[-1] - setting.cut.heights[0]
-        return Lever(
-            channel=number,
-            per_reading=1.0 / reading,
-            shape=shape[:, 0],
-            loads=np.array([-1.0, -(length + offset), 1.0, offset]),
-        )
+        per_signal = np.zeros((1, len(setting.channels)))
+        per_signal[0, number] = 1.0 / reading
+        return Shapes(per_signal, shape, np.array([[-1.0], [-(length + offset)], [1.0], [offset]]))
 
 
 def choose_sensor(channels: tuple[Channel, ...]) -> int:
