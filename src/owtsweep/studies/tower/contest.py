@@ -85,11 +85,11 @@ def describe_errors(config: TowerConfig) -> str:
 def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
     """Return in words what 1 % of noise is, and the assumed noise of inclinometers."""
     lines: list[str] = []
-    measured = {name: summary[summary["measure"] == name] for name in NOISES}
+    means = (summary["mean"] / summary["noise"]).groupby(summary["measure"]).mean()
     noises = [
-        f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}"
-        for part, (words, unit, size) in zip(measured.values(), NOISES.values(), strict=True)
-        if len(part)
+        f"{words} has {means[name] / size:.2g} {unit}"
+        for name, (words, unit, size) in NOISES.items()
+        if name in means
     ]
     if noises:
         lines.append(

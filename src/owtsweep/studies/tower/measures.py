@@ -89,7 +89,7 @@ def compare(
 
     Raise `NotFinite` if an estimate is not finite.
     """
-    settled = slice(config.record.settled, None)
+    settled, heights = slice(config.record.settled, None), _heights(case)
     found: dict[str, float] = {}
     doublings, counting, worst = [], [], 0.0
     for direction in DIRECTIONS:
@@ -103,22 +103,23 @@ def compare(
         ratio = _count_doublings(fatigue.damage, true.damage)
         doublings.append(ratio)
         counting.append(true.damage)
+        own = {}
         for name, load, of_truth in zip(INPUTS, fatigue.loads, true.loads, strict=True):
-            found[f"equivalent_{name}_{direction}"] = float(load)
+            own[f"equivalent_{name}"] = load
             if of_truth > 0.0:
-                found[f"equivalent_ratio_{name}_{direction}"] = float(load / of_truth)
-        for z, own, by in zip(_heights(case), fatigue.damage, ratio, strict=True):
-            found[f"damage_{name_height(z)}_{direction}"] = float(own)
-            found[f"damage_ratio_{name_height(z)}_{direction}"] = float(by)
+                own[f"equivalent_ratio_{name}"] = load / of_truth
+        for z, damage, by in zip(heights, fatigue.damage, ratio, strict=True):
+            own[f"damage_{name_height(z)}"] = damage
+            own[f"damage_ratio_{name_height(z)}"] = by
         error = scatter(true_moved[:, ::2], moved[:, ::2])
         worst = max(worst, float(np.nanmax(error)))
         if direction == DIRECTIONS[0]:
             moment = INPUTS.index("M0")
             found["base_moment"] = float(scatter(true_loads[:, moment], loads[:, moment]))
-        found |= _compare_signals(config, case, direction, true_moved, moved, true_loads, loads)
+        own |= _compare_signals(config.record.rate, heights, true_moved, moved, true_loads, loads)
         if estimate.wave is not None and np.any(motion.wave):
-            of_wave = compute_trac(motion.wave[settled], estimate.wave[settled])
-            found[f"trac_wave_{direction}"] = float(of_wave)
+            own["trac_wave"] = compute_trac(motion.wave[settled], estimate.wave[settled])
+        found |= {f"{name}_{direction}": float(value) for name, value in own.items()}
     damages, ratios = np.concatenate(counting), np.concatenate(doublings)
     found["damage"] = float(np.abs(ratios[damages > COUNTS * damages.max()]).max(initial=0.0))
     found["displacement"] = worst
@@ -126,16 +127,9 @@ def compare(
 
 
 def _compare_signals(
-    config: TowerConfig,
-    case: Case,
-    direction: str,
-    true_moved: Array,
-    moved: Array,
-    true_loads: Array,
-    loads: Array,
-) -> dict[str, float]:
+    rate: float, heights: Array, true_moved: Array, moved: Array, true_loads: Array, loads: Array
+) -> dict[str, Array]:
     """Return TRAC, FRAC and MAE of motion at `LEVELS` and of loads, and the lag of loads."""
-    heights = _heights(case)
     names, columns = [], []
     for level in LEVELS:
         for node in np.flatnonzero(np.abs(heights - level) <= 1e-6):
@@ -144,7 +138,7 @@ def _compare_signals(
     true = np.column_stack([true_moved[:, columns], true_loads])
     estimate = np.column_stack([moved[:, columns], loads])
     mae = compute_mae(true, estimate)
-    longest = min(LONGEST_LAG, 0.2 * len(true) / config.record.rate)
+    longest = min(LONGEST_LAG, 0.2 * len(true) / rate)
     values = {
         "trac": compute_trac(true, estimate),
         "trac_centred": compute_trac(true, estimate, centred=True),
@@ -153,14 +147,12 @@ def _compare_signals(
         "mae_sigma": divide_by_deviation(mae, true),
     }
     found = {
-        f"{measure}_{name}_{direction}": float(value)
+        f"{measure}_{name}": value
         for measure, each in values.items()
         for name, value in zip([*names, *INPUTS], each, strict=True)
     }
-    lags = find_lag(true_loads, loads, 1.0 / config.record.rate, longest)
-    return found | {
-        f"lag_{name}_{direction}": float(lag) for name, lag in zip(INPUTS, lags, strict=True)
-    }
+    lags = find_lag(true_loads, loads, 1.0 / rate, longest)
+    return found | {f"lag_{name}": lag for name, lag in zip(INPUTS, lags, strict=True)}
 
 
 def find_quietest(channels: Sequence[Channel]) -> dict[str, float]:

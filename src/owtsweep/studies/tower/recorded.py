@@ -19,7 +19,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.evaluation.signals import scatter
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded import Signals, Wanted, read_signals
-from owtsweep.structures.bernoulli import PlaneBeam
+from owtsweep.structures.bernoulli import NEAR, PlaneBeam
 from owtsweep.studies.tower import measuring
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Estimates
@@ -36,8 +36,6 @@ KINDS = {
     "M": "moment",
 }
 NAME = re.compile(r"(theta|[xvaFM])_(\d+(?:\.\d+)?)(?:_(fa|ss))?")
-#: Heights nearer than this are the same, m.
-NEAR = 1e-6
 
 
 def _find_dimension(signal: str) -> str | None:

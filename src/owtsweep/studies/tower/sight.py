@@ -140,5 +140,4 @@ def _order_by_distance(heights: Array, taken: Sequence[int]) -> list[int]:
     free = [node for node in range(len(heights)) if node not in taken]
     if not taken:
         return free[::-1]
-    nearest = [float(np.abs(heights[list(taken)] - heights[node]).min()) for node in free]
-    return [free[i] for i in np.argsort(-np.array(nearest), kind="stable")]
+    return sorted(free, key=lambda n: np.abs(heights[list(taken)] - heights[n]).min(), reverse=True)

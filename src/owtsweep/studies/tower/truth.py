@@ -97,17 +97,15 @@ def _simulate(
     damping = np.zeros((size, size))
     damping[np.ix_(inside, inside)] = own_damping
     damping[-2, -2] += config.wind.side_damping if side else config.wind.damping
-    loads = np.zeros((size, 2))
-    loads[-2:] = np.eye(2)
-    series = top
+    unit = np.eye(size)
+    loads, series = unit[:, -2:], top
     if waves is not None:
-        spread = np.zeros((size, len(waves.dof)))
-        spread[waves.dof, np.arange(len(waves.dof))] = share
-        loads, series = np.hstack([loads, spread]), np.hstack([top, waves.series])
+        loads = np.hstack([loads, share * unit[:, waves.dof]])
+        series = np.hstack([top, waves.series])
     free = whole.free
     nodes = inside.reshape(-1, 2)[:: truth.subdivision].reshape(-1)
     at = list_interfaces(cut)
-    pick = np.eye(size)[nodes]
+    pick = unit[nodes]
     none = np.zeros_like(pick)
 
     def through(matrix: Array) -> Array:
