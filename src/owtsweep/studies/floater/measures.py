@@ -75,11 +75,6 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
         weighted = vv * error**2 - 2.0 * pv * error * drift + pp * drift**2
         nees = 0.5 * np.mean(divide(weighted, pp * vv - pv**2), axis=0)
     noise_ratio = divide(np.sqrt(square), sigma)
-    found = {
-        "velocity": _root_mean(divide(square_velocity, true_velocity.var(axis=0))),
-        "position": _root_mean(divide(square, true.var(axis=0))),
-        "worst": _largest(noise_ratio),
-    }
     each = {
         "mse_position": square,
         "mse_velocity": square_velocity,
@@ -91,15 +86,16 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
         "lag_velocity": _find_lag(true_velocity, velocity, truth.step),
         "relative": _find_relative(true, error),
     }
-    over_all = {
+    found = {
+        "velocity": _root_mean(divide(square_velocity, true_velocity.var(axis=0))),
+        "position": _root_mean(divide(square, true.var(axis=0))),
+        "worst": _largest(noise_ratio),
         "rms_over_p": _root_mean(each["rms_over_p"] ** 2),
         **{name: _average(each[name]) for name in ("nees", "nis", "lag_position", "lag_velocity")},
         "relative": _largest(each["relative"]),
     }
     for name, values in each.items():
         found |= {f"{name}_{dof}": float(value) for dof, value in zip(DOF, values, strict=True)}
-        if name in over_all:
-            found[name] = over_all[name]
     if estimates.latency > 0.0:
         found[WAIT] = estimates.latency
     return {name: value for name, value in found.items() if not np.isnan(value)}
@@ -138,5 +134,4 @@ def _root_mean(squares: Array) -> float:
 
 
 def _largest(values: Array) -> float:
-    there = values[~np.isnan(values)]
-    return float(there.max()) if len(there) else float("nan")
+    return float(np.fmax.reduce(values))  # leaves out NaN

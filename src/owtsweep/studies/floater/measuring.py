@@ -168,9 +168,7 @@ def _lose(config: FloaterConfig, share: float, draw: np.random.Generator) -> NDA
 
 def _find_due(config: FloaterConfig) -> NDArray[np.bool_]:
     """Return at which samples the optical system reports, shape (steps,)."""
-    record, optical = config.record, config.sensors.optical_rate
-    if optical is None:
-        return np.ones(record.steps, dtype=bool)
+    record, optical = config.record, config.sensors.optical_rate or config.record.rate
     # Rounding may not move a report that is due at a sample.
     count = np.floor(np.arange(record.steps) * optical / record.rate + 1e-9)
     return np.asarray(np.diff(count, prepend=-1.0) > 0.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -56,12 +55,18 @@ class World(ABC):
         """Log what a user should know of the file."""
 
 
+@dataclass(frozen=True)
 class Simulated(World):
-    """A structure that answers to waves, or to its release, in resonances."""
+    """A structure that answers to waves, or to its release in still water, in resonances.
 
-    #: How many times its standard deviation, or its deflection, an angle reaches.
-    reach: ClassVar[float]
-    words: ClassVar[str]
+    reach: How many times its standard deviation, or its deflection, an angle reaches.
+    words: what is said before the natural periods.
+    waves: whether there are waves.
+    """
+
+    reach: float
+    words: str
+    waves: bool
 
     def check(self, config: FloaterConfig) -> None:
         """Check that all degrees of freedom move, and that angles stay below 90 degrees.
@@ -73,10 +78,11 @@ class Simulated(World):
         _check_angles(config, self.reach)
 
     def describe(self, motion: Motion) -> str:
-        """Return kind and natural periods."""
+        """Return kind, natural periods and the period of the waves."""
         slow = sorted({freedom.resonance.period for freedom in motion.freedoms.values()})
         periods = f"{slow[0]:g} to {slow[-1]:g} s" if len(slow) > 1 else f"{slow[0]:g} s"
-        return f"{motion.kind} motion, {self.words} {periods}"
+        waves = f", waves of {motion.wave_period:g} s" if self.waves else ""
+        return f"{motion.kind} motion, {self.words} {periods}{waves}"
 
     def find_frequencies(self, motion: Motion, truth: Truth) -> Array:
         """Return those of the section `motion`."""
@@ -84,30 +90,9 @@ class Simulated(World):
         return 2.0 * np.pi / np.array(periods)
 
     def find_periods(self, motion: Motion) -> list[float]:
-        """Return the natural periods."""
-        return [freedom.resonance.period for freedom in motion.freedoms.values()]
-
-
-class Synthetic(Simulated):
-    """A structure in waves."""
-
-    reach = 3.0  # angles go some three standard deviations from their mean
-    words = "resonances of"
-
-    def describe(self, motion: Motion) -> str:
-        """Return natural periods and the period of the waves."""
-        return f"{super().describe(motion)}, waves of {motion.wave_period:g} s"
-
-    def find_periods(self, motion: Motion) -> list[float]:
         """Return the natural periods, and that of the waves."""
-        return [*super().find_periods(motion), motion.wave_period]
-
-
-class Decay(Simulated):
-    """A structure that is released in still water."""
-
-    reach = 1.0
-    words = "release, natural periods"
+        natural = [freedom.resonance.period for freedom in motion.freedoms.values()]
+        return [*natural, motion.wave_period] if self.waves else natural
 
 
 class Recorded(World):
@@ -147,8 +132,9 @@ class Recorded(World):
 
 
 WORLDS: dict[str, World] = {
-    "synthetic": Synthetic(draw_motion),
-    "decay": Decay(decay),
+    # angles go some three standard deviations from their mean
+    "synthetic": Simulated(draw_motion, reach=3.0, words="resonances of", waves=True),
+    "decay": Simulated(decay, reach=1.0, words="release, natural periods", waves=False),
     "recorded": Recorded(read_motion),
 }
 

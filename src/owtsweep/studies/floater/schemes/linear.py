@@ -31,20 +31,18 @@ class Linear:
     """A filter of all degrees of freedom, made ready for one setting.
 
     With `bias` a bias of each acceleration is a state; with `delay` the time that a report shows
-    counts.
+    counts; with `lagged` there is a smoother, whose latency is `filters.lag`. A delay of the
+    optical system eats up the lag: with a delay of the lag, the smoother is the filter without
+    delay, an interval late; with a longer one, it predicts by what is left.
     """
 
     setting: Setting
     bias: bool
     delay: bool
+    lagged: bool = False
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        record, noises, prior = self.read(measured)
-        return report(filter_all(record, noises, prior))
-
-    def read(self, measured: Measured) -> tuple[Record, list[Noise], Array]:
-        """Return measurements, noise and prior standard deviations, as filters take them."""
         setting = self.setting
         steps = len(measured.position)
         age = find_age(setting, measured) if self.delay else np.zeros(steps)
@@ -53,7 +51,11 @@ class Linear:
         record = Record(position, shown, acceleration, rate, measured.step)
         bias, walk = find_bias(setting) if self.bias else (np.zeros(6), np.zeros(6))
         noises = make_noises(setting, walk)
-        return record, noises, np.column_stack([*setting.motion_sigma[:2], bias])
+        prior = np.column_stack([*setting.motion_sigma[:2], bias])
+        if not self.lagged:
+            return report(filter_all(record, noises, prior))
+        lag = round(setting.tuning.lag / measured.step)
+        return report(smooth_all(record, noises, prior, lag), latency=lag * measured.step)
 
 
 def part_columns(estimate: Array) -> tuple[Array, Array]:
@@ -184,25 +186,8 @@ def make_noises(setting: Setting, walk: Array) -> list[Noise]:
     ]
 
 
-@dataclass(frozen=True)
-class FixedLag:
-    """KF_REPAIRED with a smoother, made ready for a setting.
-
-    The latency is `filters.lag`. A delay of the optical system eats up the lag: with a delay of the
-    lag, this is KF_REPAIRED without delay, an interval late; with a longer one, it predicts by what
-    is left.
-    """
-
-    filter: Linear
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        lag = round(self.filter.setting.tuning.lag / measured.step)
-        return report(smooth_all(*self.filter.read(measured), lag), latency=lag * measured.step)
-
-
 KF_CONSISTENT = Direct("KF_CONSISTENT", partial(Linear, bias=False, delay=False))
 KF_BIAS = Direct("KF_BIAS", partial(Linear, bias=True, delay=False))
 KF_DELAY = Direct("KF_DELAY", partial(Linear, bias=False, delay=True))
 KF_REPAIRED = Direct("KF_REPAIRED", partial(Linear, bias=True, delay=True))
-FIXED_LAG = Direct("FIXED_LAG", lambda setting: FixedLag(Linear(setting, bias=True, delay=True)))
+FIXED_LAG = Direct("FIXED_LAG", partial(Linear, bias=True, delay=True, lagged=True))
