@@ -90,7 +90,7 @@ def test_counts_agree_with_a_plain_implementation(levels):
 
 
 def test_damage_of_the_standards_series_by_hand():
-    curve = SNCurve("line", (3.0,), (12.0,))
+    curve = SNCurve((3.0,), (12.0,))
     total = 0.5 * 27 + 0.5 * 64 + 0.5 * 512 + 64 + 0.5 * 729 + 0.5 * 512 + 0.5 * 216
     damage = compute_damage(10e6 * ASTM[:, None], curve, np.inf)
     np.testing.assert_allclose(damage, 1000.0 * total / 1e12, rtol=1e-12)
@@ -157,7 +157,7 @@ def test_the_equivalent_range_does_the_histories_damage():
     cycles = count_cycles(10e6 * random.normal(size=3000))
     for m in (3.0, 5.0, 10.0):
         equal = find_equivalent_range(cycles, m, 600.0)
-        curve = SNCurve("line", (m,), (13.0,))
+        curve = SNCurve((m,), (13.0,))
         same = Cycles(np.array([equal]), np.zeros(1), np.array([600.0]))
         assert sum_damage(same, curve) == pytest.approx(sum_damage(cycles, curve, np.inf))
         # of a moment in N m, whose power would overflow

@@ -88,9 +88,8 @@ class Tube(Section):
             f"{where}: it is only {self.top - self.bottom:.3g} m long; make it {SHORTEST:g} m or "
             "longer, or leave it out",
         )
-        for diameter, thickness, end in zip(
-            self.diameter, self.thickness, ("bottom", "top"), strict=True
-        ):
+        ends = zip(self.diameter, self.thickness, ("bottom", "top"), strict=True)
+        for diameter, thickness, end in ends:
             require(
                 2.0 * thickness <= diameter,
                 f"{where}: thickness {thickness:g} m at the {end} exceeds the radius of "

@@ -33,12 +33,10 @@ PAPER = (5.0, 13.617)
 class SNCurve:
     """An S-N curve of one or two branches, log10 N = log_a - m log10(S / 1 MPa).
 
-    `name`: name of the curve, for legends and messages. `m`, `log_a`: exponent of each branch, and
-    log10 of the cycles to failure at a stress range of 1 MPa. `knee`: number of cycles up to which
-    the first branch holds; infinite for a single branch.
+    `m`, `log_a`: exponent of each branch, and log10 of the cycles to failure at a stress range of 1
+    MPa. `knee`: number of cycles up to which the first branch holds; infinite for a single branch.
     """
 
-    name: str
     m: tuple[float, ...]
     log_a: tuple[float, ...]
     knee: float = np.inf
@@ -120,7 +118,7 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
     no such curve.
     """
     if name == "paper":
-        return SNCurve("paper", PAPER[:1], PAPER[1:])
+        return SNCurve(PAPER[:1], PAPER[1:])
     table = _read_table()[environment]
     names = [*table["curves"], "paper", "own"]
     require(
@@ -128,7 +126,7 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
         f"fatigue.curve: no S-N curve is named {name!r}; {suggest_name(name, names)}",
     )
     numbers = table["curves"][name]
-    return SNCurve(name, tuple(numbers["m"]), tuple(numbers["log_a"]), table["knee"])
+    return SNCurve(tuple(numbers["m"]), tuple(numbers["log_a"]), table["knee"])
 
 
 def make_curve(branches: Sequence[Branch], knee: float | None) -> SNCurve:
@@ -144,12 +142,12 @@ def make_curve(branches: Sequence[Branch], knee: float | None) -> SNCurve:
     )
     if len(m) == 1:
         require(knee is None, "fatigue.knee: a single branch has no knee; leave it out")
-        return SNCurve("own", m, log_a)
+        return SNCurve(m, log_a)
     if knee is None:
         raise InputError(
             "fatigue.knee: two branches need the number of cycles at which they meet, e.g. 1e7"
         )
-    curve = SNCurve("own", m, log_a, knee)
+    curve = SNCurve(m, log_a, knee)
     require(
         m[1] > m[0],
         f"fatigue.branches: the second branch must be flatter: m {m[1]:g} must exceed {m[0]:g}",

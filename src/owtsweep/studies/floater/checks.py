@@ -33,10 +33,8 @@ def check_outside(config: FloaterConfig) -> None:
 def _check_times(config: FloaterConfig) -> None:
     """Check that times that schemes assume lie within a record."""
     for tuning in config.by_tuning().values():
-        for key, value in (
-            ("lag", tuning.filters.lag),
-            ("delay_declared", tuning.filters.delay_declared),
-        ):
+        for key in ("lag", "delay_declared"):
+            value = getattr(tuning.filters, key)
             require(
                 value < config.record.duration,
                 f"filters.{key}: {value:g} s are not shorter than the record of "

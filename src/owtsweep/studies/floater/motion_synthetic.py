@@ -39,14 +39,13 @@ def draw_motion(
     `roll` is the standard deviation of the roll angle in degrees; None: that of the section.
     """
     frequency = find_frequencies(span.steps, span.step)
-    parts = [_describe_resonances(motion, frequency), _describe_waves(motion, frequency)]
-    sizes = [[motion.freedoms[name].resonance.sigma for name in DOF],
-             [motion.freedoms[name].waves for name in DOF]]  # fmt: skip
-    lines = np.zeros((len(frequency), 6), dtype=complex)
-    for words, density, size in zip(("resonance", "waves"), parts, sizes, strict=True):
-        lines += _draw_lines(density, motion.surge_pitch, draws, words) * np.asarray(size)
+    freedoms, coupling = [motion.freedoms[name] for name in DOF], motion.surge_pitch
+    slow = _draw_lines(_describe_resonances(motion, frequency), coupling, draws, "resonance")
+    fast = _draw_lines(_describe_waves(motion, frequency), coupling, draws, "waves")
+    lines = slow * [each.resonance.sigma for each in freedoms]
+    lines += fast * [each.waves for each in freedoms]
     lines[:, 3:] *= np.pi / 180.0
-    mean = np.array([motion.freedoms[name].mean for name in DOF])
+    mean = np.array([each.mean for each in freedoms])
     mean[3:] = np.deg2rad(mean[3:])
     if roll is not None:
         column = DOF.index("phi")

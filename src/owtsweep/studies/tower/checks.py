@@ -10,7 +10,7 @@ from owtsweep.config import require
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.base.axes import check_blocks
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.measuring import count_rotations, list_places
+from owtsweep.studies.tower.measuring import list_places
 from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.wind import read_loads
@@ -80,7 +80,8 @@ def warn_of_few_inclinometers(config: TowerConfig) -> None:
     Displacement sensors count as well.
     """
     inputs = 5 if config.waves.hs > 0.0 else 4
-    count = count_rotations(list_places(config.sensors, config.nodes))
+    places = list_places(config.sensors, config.nodes)
+    count = sum(place.kind in ("theta", "x") for place in places)
     if count < inputs:
         logger.warning(
             "sensors: %s has %d inclinometers or displacement sensors per direction for %d unknown "

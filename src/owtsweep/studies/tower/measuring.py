@@ -58,11 +58,6 @@ def find_node(nodes: Array, height: float, what: str) -> int:
     return int(near.argmax())
 
 
-def count_rotations(places: Sequence[Place]) -> int:
-    """Count the inclinometers and displacement sensors of a direction."""
-    return sum(place.kind in ("theta", "x") for place in places)
-
-
 def take_signals(motion: Motion, strain: Array, places: Sequence[Place], faults: Faults) -> Array:
     """Return the signals (m, rad, m/s^2, strain) of channels without noise, (steps, channels).
 

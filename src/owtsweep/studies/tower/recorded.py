@@ -38,14 +38,9 @@ KINDS = {
 NAME = re.compile(r"(theta|[xvaFM])_(\d+(?:\.\d+)?)(?:_(fa|ss))?")
 
 
-def _find_dimension(signal: str) -> str | None:
-    match = NAME.fullmatch(signal)
-    return None if match is None else KINDS[match[1]]
-
-
 WANTED = Wanted(
     "recorded.columns",
-    _find_dimension,
+    lambda signal: KINDS[match[1]] if (match := NAME.fullmatch(signal)) else None,
     "a kind and a height in m above ground, and perhaps a direction: a_012, theta_3.5, F_175_fa",
 )
 

@@ -7,7 +7,7 @@ takes the loads' changes from the truth.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from owtsweep.config import NotNegative, Positive, Section, key
 from owtsweep.studies.base.searching import Searched
@@ -61,21 +61,17 @@ MODAL = (
 )  # fmt: skip
 
 
-def _has_waves(config: Any) -> bool:
-    return bool(config.waves.hs > 0.0)
-
-
 #: What `tune` searches. Numbers that `null` leaves out are not.
 SEARCHED = (
     Searched(
         MODAL,
         {"filters.rate_noise": [1e-6, 1e2, "log"]},
-        lambda config: not _has_waves(config) and config.filters.rate_noise is not None,
+        lambda config: config.waves.hs == 0.0 and config.filters.rate_noise is not None,
     ),
     Searched(
         MODAL,
         {"filters.rate_noise_in_waves": [1e-4, 1e4, "log"]},
-        lambda config: _has_waves(config) and config.filters.rate_noise_in_waves is not None,
+        lambda config: config.waves.hs > 0.0 and config.filters.rate_noise_in_waves is not None,
     ),
     Searched(
         MODAL,
