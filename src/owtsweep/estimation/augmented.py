@@ -66,11 +66,18 @@ def make_steady(model: InputStateModel, Q: Array, S: Array, R: Array) -> Filter:
 
     Parameters and errors are those of `make_augmented`.
     """
-    F, H, noise = augment_walks(model, Q, S)
+    return settle_at_once(*augment_walks(model, Q, S), R)
+
+
+def settle_at_once(F: Array, H: Array, Q: Array, R: Array) -> Filter:
+    """Make the filter of `make_steady` of a model x[k+1] = F x[k] + w, y = H x + v.
+
+    Q, R: covariances of w and v. Raises InputError if R is no covariance, or singular.
+    """
     check_noise(R)
-    K, settled = _solve(F, H, noise, R), True
+    K, settled = _solve(F, H, Q, R), True
     if K is None:
-        varying = make_kalman(F, H, noise, R, noise)
+        varying = make_kalman(F, H, Q, R, Q)
         K, settled = varying.K, varying.settled
     loop = F - K @ (H @ F)
     return Filter(loop, K, loop[None], K[None], settled)

@@ -74,6 +74,15 @@ def sample(lines: NDArray[np.complex128], steps: int, step: float, lead: int) ->
 def _sum_up(lines: NDArray[np.complex128], steps: int, lead: int) -> Array:
     bins = lines * steps
     bins[-1] = 0.0
+    return sample_periodic(bins, steps, lead)
+
+
+def sample_periodic(bins: NDArray[np.complex128], steps: int, lead: int) -> Array:
+    """Sample series that repeat after twice the record, and a lead, shape (lead + steps, ...).
+
+    So what came before a record is known. `bins` are lines as `sample` has them, times `steps`: as
+    `numpy.fft.irfft` takes them. The lead is at most `steps`.
+    """
     period = np.fft.irfft(bins, 2 * steps, axis=0)
     return np.concatenate([period[2 * steps - lead :], period[:steps]])
 

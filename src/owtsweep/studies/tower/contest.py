@@ -26,10 +26,8 @@ CONDITIONS = (
     ),
     Condition("noise", "sensor noise", "%", scale="log", plural="noises", enters="sensors"),
 )
-#: Keys of the section `model` that are factors -> what they scale.
-FACTORS = {
-    "stiffness": "stiffness", "mass": "mass", "damping": "damping", "rotor_mass": "rotor mass",
-}  # fmt: skip
+#: Keys of the section `model` that are factors.
+FACTORS = ("stiffness", "mass", "damping", "rotor_mass")
 #: Keys of the section `faults` -> what is said of a fault.
 FAULTS = {
     "bias": "bias {:g} of sigma",
@@ -75,7 +73,8 @@ def describe_sensors(config: TowerConfig) -> str:
 def describe_errors(config: TowerConfig) -> str:
     """Return what is wrong with the schemes' model and with the sensors, in words."""
     model, faults = vars(config.model), vars(config.faults)
-    errors = [f"{words} x {model[key]:g}" for key, words in FACTORS.items() if model[key] != 1.0]
+    factors = {key.replace("_", " "): model[key] for key in FACTORS}
+    errors = [f"{words} x {factor:g}" for words, factor in factors.items() if factor != 1.0]
     if model["water_level"]:
         errors.append(f"water level {model['water_level']:+g} m")
     errors += [words.format(faults[key]) for key, words in FAULTS.items() if faults[key]]

@@ -23,7 +23,7 @@ from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, S
 from owtsweep.studies.tower.measuring import list_places
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.schemes.filtered import check_seen
+from owtsweep.studies.tower.schemes.filtered import tell_blindness
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 #: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
@@ -52,7 +52,7 @@ def require_sight(config: TowerConfig) -> None:
 
 def _require_sight(config: TowerConfig) -> None:
     setting = set_up(config)
-    if _sees_bending(setting):
+    if not tell_blindness(setting, model_cut(setting)):
         return
     reasons = []
     # The last schemes of the list are the quickest to prepare.
@@ -100,15 +100,6 @@ def find_missed(setting: Setting, seen: Observability) -> set[str]:
     return {name for part in parts for name, size in zip(names, part, strict=True) if size > NAMED}
 
 
-def _sees_bending(setting: Setting) -> bool:
-    """Return whether sensors see all directions of state and load that bend the structure."""
-    try:
-        check_seen("AKF", setting, model_cut(setting))
-    except Unable:
-        return False
-    return True
-
-
 def _count_unseen(setting: Setting) -> int:
     seen = observe(setting)
     return seen.states - seen.rank
@@ -117,7 +108,7 @@ def _count_unseen(setting: Setting) -> int:
 def _advise(setting: Setting, ground: float) -> str:
     heights = setting.cut.heights
     chosen: list[int] = []
-    while not _sees_bending(setting):
+    while tell_blindness(setting, model_cut(setting)):
         unseen = _count_unseen(setting)
         taken = [each.node for each in setting.channels if each.kind in ("theta", "x")]
         for node in _order_by_distance(heights, taken):

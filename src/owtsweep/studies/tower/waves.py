@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.motion.lines import sample_periodic
 from owtsweep.motion.plant import compute_forces
 from owtsweep.streams import Streams
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.sections import SeaState
-from owtsweep.studies.tower.wind import sample_periodic
 from owtsweep.waves import Sea, draw_waves
 
 

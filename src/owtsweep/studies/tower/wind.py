@@ -9,11 +9,11 @@ narrow Gaussian peaks. The series repeat after twice their length, so nothing re
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import expand_home
+from owtsweep.motion.lines import sample_periodic
 from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.formats.streams import TextStream
 from owtsweep.streams import Streams
@@ -64,16 +64,6 @@ def _draw(
     turns = 2.0 * np.pi * phase.random(len(spectrum))
     bins[1:-1] = steps * load.sigma * np.sqrt(2.0 * spectrum) * np.exp(1j * turns)
     return load.mean + sample_periodic(bins, steps, lead)
-
-
-def sample_periodic(bins: NDArray[np.complex128], steps: int, lead: int) -> Array:
-    """Sample a series that repeats after twice the record, and a lead, shape (lead + steps,).
-
-    So what came before a record is known. `bins` are lines at multiples of 1 / (2 steps step), from
-    0 on, as `numpy.fft.irfft` takes them. The lead is at most `steps`.
-    """
-    period = np.fft.irfft(bins, 2 * steps)
-    return np.concatenate([period[2 * steps - lead :], period[:steps]])
 
 
 def read_loads(file: str, *, steps: int, step: float) -> Array:

@@ -72,8 +72,8 @@ class FilterScheme(Scheme):
             raise Unable(
                 f"{self.name} has no wave load to estimate: the structure stands in no water"
             )
-        if self.any_input:
-            check_seen(self.name, setting, model)
+        if self.any_input and (blindness := tell_blindness(setting, model)):
+            raise Unable(f"{self.name} is blind: {blindness}")
         made = self.tune(setting, model)
         check_loop(self.name, setting, model, made.F)
         return Filtered(model, made, made.lag * setting.step if isinstance(made, Lagged) else 0.0)
@@ -114,13 +114,13 @@ def prior(setting: Setting, model: Model) -> Array:
     return np.diag(np.concatenate([states, size_of_inputs(setting, model) ** 2]))
 
 
-def check_seen(name: str, setting: Setting, model: Model) -> None:
-    """Check that sensors see all directions of state and input that bend the structure.
+def tell_blindness(setting: Setting, model: Model) -> str:
+    """Say how many directions of state and input that bend the structure sensors do not see.
 
     Inputs may be anything here, as walks may (Eq. 22). Directions that bend nothing may stay
     unseen: with inclinometers and accelerometers, position and velocity of the rigid translation
-    drift. Raise `Unable` if they do not; the message has the rank by the test of Popov, Belevitch
-    and Hautus.
+    drift. The sentence has the rank by the test of Popov, Belevitch and Hautus; it is "" if all
+    that bends is seen.
     """
     walks = np.eye(len(model.inputs))
     observed = find_unobservable(*augment(model.discrete, walks))
@@ -130,11 +130,12 @@ def check_seen(name: str, setting: Setting, model: Model) -> None:
     for unseen in observed.unseen:
         strains = bending @ unseen.directions[: model.modes]
         bent += int(np.sum(np.linalg.svd(strains, compute_uv=False) > RIGID * size))
-    if bent:
-        raise Unable(
-            f"{name} is blind: the sensors see {observed.rank} of {observed.states} directions of "
-            f"state and input (PBH rank), and {bent} of the others bend the structure"
-        )
+    if not bent:
+        return ""
+    return (
+        f"the sensors see {observed.rank} of {observed.states} directions of state and input "
+        f"(PBH rank), and {bent} of the others bend the structure"
+    )
 
 
 def check_loop(name: str, setting: Setting, model: Model, loop: Array) -> None:

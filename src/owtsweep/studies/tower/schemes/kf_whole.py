@@ -20,9 +20,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import block_diag, solve_discrete_are
+from scipy.linalg import block_diag
 
-from owtsweep.estimation.augmented import augment
+from owtsweep.estimation.augmented import augment, settle_at_once
 from owtsweep.estimation.input_state import Filter
 from owtsweep.structures.reduction import reduce_held
 from owtsweep.studies.tower.contract import Setting
@@ -64,11 +64,7 @@ def tune(setting: Setting, model: Model) -> Filter:
     fade = np.concatenate([np.full(len(slow), np.exp(-setting.step / SLOW)), 0.0 * noise])
     F, H = augment(model.discrete, np.diag(fade))
     Q = block_diag(noise_of_states(setting, model), np.diag((1.0 - fade**2) * sigma**2))
-    R = noise_of_sensors(setting)
-    P = solve_discrete_are(F.T, H.T, Q, R)
-    K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
-    loop = F - K @ (H @ F)
-    return Filter(loop, K, loop[None], K[None], settled=True)
+    return settle_at_once(F, H, Q, noise_of_sensors(setting))
 
 
 SCHEME = FilterScheme("KF_WHOLE", model_twice, tune, any_input=False)
