@@ -8,17 +8,8 @@ from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section
 from owtsweep.config.common import Record
 from owtsweep.config.records import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base import keys
 from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.keys import (
-    Mode,
-    Tune,
-    key_of_axes,
-    key_of_schemes,
-    key_of_tune,
-    key_of_tuning,
-    key_of_tunings,
-    only_freedoms,
-)
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.tuning import Tuned, Tuning
@@ -39,7 +30,7 @@ class Grid(Records):
     )
 
 
-class Resonance(Mode):
+class Resonance(keys.Mode):
     """A narrow resonance of one degree of freedom."""
 
     sigma: NotNegative = key("standard deviation, m or deg")
@@ -57,7 +48,7 @@ class Motion(Section):
     """The section `motion`: what moves, set by motion=NAME."""
 
     kind: Literal["synthetic", "decay", "recorded"] = key("where the motion is from")
-    freedoms: Annotated[dict[str, Freedom], only_freedoms(DOF)] = key(
+    freedoms: Annotated[dict[str, Freedom], keys.only_freedoms(DOF)] = key(
         "x, y, z, phi, theta, psi: the motion of each; with kind=decay the standard deviation is "
         "the deflection at the release"
     )
@@ -129,15 +120,15 @@ class FloaterConfig(TunedConfig, ContestConfig):
     tuned: ClassVar[tuple[str, ...]] = ("filters",)
 
     grid: Grid = key("what is swept over")
-    axes: list[str] = key_of_axes(Grid)
+    axes: list[str] = keys.key_of_axes(Grid)
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("what moves, set by motion=NAME")
     sensors: Sensors = key("the optical system and the inertial unit")
-    tuning: str | list[str] = key_of_tuning()
-    tunings: dict[str, Tuned] = key_of_tunings()
+    tuning: str | list[str] = keys.key_of_tuning()
+    tunings: dict[str, Tuned] = keys.key_of_tunings()
     filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
-    tune: Tune = key_of_tune()
-    schemes: SchemeEntries = key_of_schemes()
+    tune: keys.Tune = keys.key_of_tune()
+    schemes: SchemeEntries = keys.key_of_schemes()
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 
 

@@ -13,25 +13,10 @@ from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
+from owtsweep.studies.base import keys
 from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.keys import (
-    Tune,
-    key_of_schemes,
-    key_of_tune,
-    key_of_tuning,
-    key_of_tunings,
-)
 from owtsweep.studies.base.schemes import SchemeEntries
-from owtsweep.studies.tower.sections import (
-    Faults,
-    Grid,
-    Model,
-    Recorded,
-    SeaState,
-    Sensors,
-    Truth,
-    Wind,
-)
+from owtsweep.studies.tower import sections
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 
@@ -54,21 +39,21 @@ class TowerConfig(TunedConfig, ContestConfig):
         min_length=2,
         max_length=2,
     )
-    grid: Grid = key("the axes of the sweep")
+    grid: sections.Grid = key("the axes of the sweep")
     record: Record = key("a record of loads, motion and measurements")
-    truth: Truth = key("the structure as it is")
-    recorded: Recorded = key("a record of a structure in place of a simulated one")
-    wind: Wind = key("loads of the rotor on the top")
-    waves: SeaState = key("the sea, set by sea=NAME")
-    sensors: Sensors = key("where sensors are")
-    faults: Faults = key("what is wrong with sensors besides white noise")
-    tuning: str | list[str] = key_of_tuning()
-    tunings: dict[str, Tuned] = key_of_tunings()
+    truth: sections.Truth = key("the structure as it is")
+    recorded: sections.Recorded = key("a record of a structure in place of a simulated one")
+    wind: sections.Wind = key("loads of the rotor on the top")
+    waves: sections.SeaState = key("the sea, set by sea=NAME")
+    sensors: sections.Sensors = key("where sensors are")
+    faults: sections.Faults = key("what is wrong with sensors besides white noise")
+    tuning: str | list[str] = keys.key_of_tuning()
+    tunings: dict[str, Tuned] = keys.key_of_tunings()
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
-    model: Model = key("the schemes' model of the structure, and what is wrong in it")
+    model: sections.Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    tune: Tune = key_of_tune()
-    schemes: SchemeEntries = key_of_schemes()
+    tune: keys.Tune = keys.key_of_tune()
+    schemes: SchemeEntries = keys.key_of_schemes()
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )
