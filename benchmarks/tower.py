@@ -33,12 +33,7 @@ from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.contract import DIRECTIONS, Setting
 from owtsweep.studies.tower.models import Model
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.schemes.filtered import (
-    noise_of_inputs,
-    noise_of_sensors,
-    noise_of_states,
-    prior,
-)
+from owtsweep.studies.tower.schemes.filtered import find_noise
 from owtsweep.studies.tower.setting import make_setting
 
 #: Greatest times: of a filter over a record in one direction (gains at hand), of the damage of all
@@ -127,11 +122,10 @@ def filter_by_peer(scheme: Any, job: Job, steps: int) -> np.ndarray:
 
     setting = job.setting
     model = scheme.model(setting)
-    Q, S = noise_of_states(setting, model), noise_of_inputs(setting, model)
-    F, H, noise = augment_walks(model.discrete, Q, S)
+    noise = find_noise(setting, model)
+    F, H, Q = augment_walks(model.discrete, noise.Q, noise.S)
     peer = KalmanFilter(dim_x=len(F), dim_z=len(H))
-    peer.F, peer.H, peer.Q, peer.R = F, H, noise, noise_of_sensors(setting)
-    peer.P = prior(setting, model)
+    peer.F, peer.H, peer.Q, peer.R, peer.P = F, H, Q, noise.R, noise.P0
     found = np.empty((steps, len(F)))
     for k in range(steps):
         peer.predict()

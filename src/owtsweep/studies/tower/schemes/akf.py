@@ -29,43 +29,31 @@ from owtsweep.estimation.input_state import Filter
 from owtsweep.estimation.latent import make_latent
 from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut, model_whole
-from owtsweep.studies.tower.schemes.filtered import (
-    FilterScheme,
-    noise_of_sensors,
-    noise_of_states,
-    noises_of_walks,
-    prior,
-    size_of_inputs,
-)
+from owtsweep.studies.tower.schemes.filtered import FilterScheme, find_noise
 
 
 def tune(setting: Setting, model: Model) -> Filter:
     """Make the augmented Kalman filter of a model."""
-    walks = noises_of_walks(setting, model)
-    return make_augmented(model.discrete, *walks, prior(setting, model))
+    noise = find_noise(setting, model)
+    return make_augmented(model.discrete, noise.Q, noise.S, noise.R, noise.P0)
 
 
 def tune_steady(setting: Setting, model: Model) -> Filter:
     """Make the augmented Kalman filter of a model with its steady gain."""
-    return make_steady(model.discrete, *noises_of_walks(setting, model))
+    noise = find_noise(setting, model)
+    return make_steady(model.discrete, noise.Q, noise.S, noise.R)
 
 
 def tune_lagged(setting: Setting, model: Model) -> Filter:
     """Make the smoother of a model."""
-    walks, lag = noises_of_walks(setting, model), round(setting.tuning.lag / setting.step)
-    return make_lagged(model.discrete, *walks, prior(setting, model), lag)
+    noise, lag = find_noise(setting, model), round(setting.tuning.lag / setting.step)
+    return make_lagged(model.discrete, noise.Q, noise.S, noise.R, noise.P0, lag)
 
 
 def tune_latent(setting: Setting, model: Model, kernel: Literal["matern12", "matern32"]) -> Filter:
     """Make the filter of a model, with the tuning's sizes and correlation times of loads."""
-    return make_latent(
-        model.discrete,
-        noise_of_states(setting, model),
-        noise_of_sensors(setting),
-        kernel=kernel,
-        sigma=size_of_inputs(setting, model),
-        length=setting.priors.length[model.inputs],
-    )
+    noise, length = find_noise(setting, model), setting.priors.length[model.inputs]
+    return make_latent(model.discrete, noise.Q, noise.R, kernel, noise.size, length)
 
 
 SCHEME = FilterScheme("AKF", model_cut, tune, SOIL)

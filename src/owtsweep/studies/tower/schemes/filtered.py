@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -79,39 +80,35 @@ class FilterScheme(Scheme):
         return Filtered(model, made, made.lag * setting.step if isinstance(made, Lagged) else 0.0)
 
 
-def noise_of_states(setting: Setting, model: Model) -> Array:
-    """Return Q of Eq. (24), shape (2 modes, 2 modes)."""
-    return np.diag(np.repeat([setting.tuning.process_noise, setting.rate_noise], model.modes))
+class Noise(NamedTuple):
+    """The covariances of a model's filter, as in Eq. (24); inputs are in the model's units.
+
+    Q, S, R: of states, of the inputs' change, and of sensors, each per step; shapes (2 modes, 2
+        modes), (inputs, inputs) and (channels, channels).
+    P0: of states and inputs before the first step, shape (2 modes + inputs, 2 modes + inputs).
+    size: Standard deviations of the inputs about zero, shape (inputs,).
+    """
+
+    Q: Array
+    S: Array
+    R: Array
+    P0: Array
+    size: Array
 
 
-def noise_of_inputs(setting: Setting, model: Model) -> Array:
-    """Return S of Eq. (24) in the units of the model's inputs, shape (inputs, inputs)."""
-    return np.diag((setting.priors.step_sigma[model.inputs] / model.scale) ** 2)
-
-
-def noise_of_sensors(setting: Setting) -> Array:
-    """Return R, shape (channels, channels)."""
-    return np.diag([channel.sigma**2 for channel in setting.channels])
-
-
-def noises_of_walks(setting: Setting, model: Model) -> tuple[Array, Array, Array]:
-    """Return Q, S and R, as filters take them whose inputs are random walks."""
-    return (
-        noise_of_states(setting, model),
-        noise_of_inputs(setting, model),
-        noise_of_sensors(setting),
+def find_noise(setting: Setting, model: Model) -> Noise:
+    """Return the noise of a model by a setting's tuning."""
+    tuning, priors = setting.tuning, setting.priors
+    both = priors.step_sigma, priors.sigma
+    change, size = (sigma[model.inputs] / model.scale for sigma in both)
+    initial = np.full(2 * model.modes, tuning.initial)
+    return Noise(
+        Q=np.diag(np.repeat([tuning.process_noise, setting.rate_noise], model.modes)),
+        S=np.diag(change**2),
+        R=np.diag([channel.sigma**2 for channel in setting.channels]),
+        P0=np.diag(np.concatenate([initial, size**2])),
+        size=size,
     )
-
-
-def size_of_inputs(setting: Setting, model: Model) -> Array:
-    """Return the standard deviations about zero of the model's inputs in its units, (inputs,)."""
-    return setting.priors.sigma[model.inputs] / model.scale
-
-
-def prior(setting: Setting, model: Model) -> Array:
-    """Return P_0 of states and inputs, shape (2 modes + inputs, 2 modes + inputs)."""
-    states = np.full(2 * model.modes, setting.tuning.initial)
-    return np.diag(np.concatenate([states, size_of_inputs(setting, model) ** 2]))
 
 
 def tell_blindness(setting: Setting, model: Model) -> str:

@@ -12,21 +12,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from owtsweep.estimation.dual import make_dual
 from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
 from owtsweep.estimation.input_state import Filter
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut
-from owtsweep.studies.tower.schemes.filtered import (
-    FilterScheme,
-    noise_of_sensors,
-    noise_of_states,
-    noises_of_walks,
-    size_of_inputs,
-)
+from owtsweep.studies.tower.schemes.filtered import FilterScheme, find_noise
 
 
 def tune_joint(setting: Setting, model: Model) -> Filter:
@@ -37,20 +29,15 @@ def tune_joint(setting: Setting, model: Model) -> Filter:
             f"GDF is blind: the feedthrough matrix J has rank {rank}, but {inputs} inputs are "
             "unknown; it needs as many accelerometers at different heights"
         )
-    initial = setting.tuning.initial * np.eye(2 * model.modes)
-    return make_gillijns(
-        model.discrete, noise_of_states(setting, model), noise_of_sensors(setting), initial
-    )
+    noise, states = find_noise(setting, model), slice(2 * model.modes)
+    return make_gillijns(model.discrete, noise.Q, noise.R, noise.P0[states, states])
 
 
 def tune_dual(setting: Setting, model: Model) -> Filter:
     """Make the dual filter of a model."""
-    return make_dual(
-        model.discrete,
-        *noises_of_walks(setting, model),
-        setting.tuning.initial * np.eye(2 * model.modes),
-        np.diag(size_of_inputs(setting, model) ** 2),
-    )
+    noise, states = find_noise(setting, model), 2 * model.modes
+    P0_x, P0_p = noise.P0[:states, :states], noise.P0[states:, states:]
+    return make_dual(model.discrete, noise.Q, noise.S, noise.R, P0_x, P0_p)
 
 
 GDF = FilterScheme("GDF", model_cut, tune_joint, SOIL)

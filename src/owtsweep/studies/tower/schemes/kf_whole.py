@@ -27,12 +27,7 @@ from owtsweep.estimation.input_state import Filter
 from owtsweep.structures.reduction import reduce_held
 from owtsweep.studies.tower.contract import Setting
 from owtsweep.studies.tower.models import Model, model_whole
-from owtsweep.studies.tower.schemes.filtered import (
-    FilterScheme,
-    noise_of_sensors,
-    noise_of_states,
-    size_of_inputs,
-)
+from owtsweep.studies.tower.schemes.filtered import FilterScheme, find_noise
 
 #: Correlation time of the loads' slow part, s: that of the wind's mean.
 SLOW = 600.0
@@ -57,14 +52,14 @@ def tune(setting: Setting, model: Model) -> Filter:
     All of the model is stable, so the Riccati equation has a steady solution, which the
     time-varying gain would take minutes to reach.
     """
-    slow, white = np.split(model.inputs, 2)
+    given, (slow, white) = find_noise(setting, model), np.split(model.inputs, 2)
     first = reduce_held(setting.whole, 1).omega[0]
     noise = setting.priors.step_sigma[white] / (first * setting.step) / model.scale[: len(white)]
-    sigma = np.concatenate([size_of_inputs(setting, model)[: len(slow)], noise])
+    sigma = np.concatenate([given.size[: len(slow)], noise])
     fade = np.concatenate([np.full(len(slow), np.exp(-setting.step / SLOW)), 0.0 * noise])
     F, H = augment(model.discrete, np.diag(fade))
-    Q = block_diag(noise_of_states(setting, model), np.diag((1.0 - fade**2) * sigma**2))
-    return settle_at_once(F, H, Q, noise_of_sensors(setting))
+    Q = block_diag(given.Q, np.diag((1.0 - fade**2) * sigma**2))
+    return settle_at_once(F, H, Q, given.R)
 
 
 SCHEME = FilterScheme("KF_WHOLE", model_twice, tune, any_input=False)
