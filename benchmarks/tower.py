@@ -139,7 +139,7 @@ def print_damage(job: Job) -> None:
     config, settled = job.config, job.config.record.settled
     curves = config.fatigue.find_curves(job.case.part.cut.heights)
     stress = [
-        job.case.motion[direction].displacement[settled:] @ job.case.true_stress.T
+        job.case.motion[direction].displacement[settled:] @ job.case.part.stress.T
         for direction in DIRECTIONS
     ]
     spent = seconds(

@@ -34,7 +34,7 @@ from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth
-from owtsweep.studies.tower.measures import CRITERIA, Fatigue, compare, find_true_fatigue
+from owtsweep.studies.tower.measures import CRITERIA, compare
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 
@@ -66,7 +66,6 @@ def _try_all(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
     """Return the rows of one record."""
     first = _compose(SETUPS[0], ERRORS["none"], overrides)
     case = make_case(first, replicate)
-    true = find_true_fatigue(first, case)
     rows = []
     for sensors in SETUPS:
         for error, override in ERRORS.items():
@@ -76,13 +75,11 @@ def _try_all(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
             for name in COMPARED:
                 where = {"sensors": sensors, "model_error": error, "scheme": name,
                          "replicate": replicate}  # fmt: skip
-                rows += [{**where, **row} for row in _try(config, wrong, name, true)]
+                rows += [{**where, **row} for row in _try(config, wrong, name)]
     return pd.DataFrame(rows)
 
 
-def _try(
-    config: TowerConfig, case: Case, name: str, true: dict[str, Fatigue]
-) -> list[dict[str, object]]:
+def _try(config: TowerConfig, case: Case, name: str) -> list[dict[str, object]]:
     """Return the rows of one scheme: damage and base moment, or why it is unable to work."""
     estimates = {}
     for direction in case.motion:
@@ -96,7 +93,7 @@ def _try(
             return [{"measure": "", "window": "", "value": float("nan"), "status": UNABLE,
                      "reason": str(reason)}]  # fmt: skip
         estimates[direction] = made.run(measured)
-    found = compare(config, case, true, estimates)
+    found = compare(config, case.part, case.motion, case.fatigue, estimates)
     return [
         {"measure": key, "window": WINDOW, "value": found[key], "status": OK, "reason": ""}
         for key in ("damage", "base_moment")

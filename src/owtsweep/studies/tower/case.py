@@ -12,6 +12,7 @@ from owtsweep.errors import require
 from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel
+from owtsweep.studies.tower.measures import Fatigue, find_fatigue
 from owtsweep.studies.tower.measuring import Place, add_errors, list_places, take_signals
 from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.setting import Substructure, model_substructure
@@ -23,16 +24,17 @@ class Case:
     """One record: motion and loads, signals without noise, and the schemes' substructure.
 
     replicate, motion: Number of the record, and direction -> truth.
+    fatigue: Direction -> what the true cycles do; {} if the motion is recorded: it has stresses
+        nowhere.
     part: the substructure as schemes model it.
-    true_stress: Stresses (Pa) of the outer fibre for unit degrees of freedom of the true structure.
     places: the channels of each direction.
     signals: Direction -> signals of the channels without noise, shape (steps, channels).
     """
 
     replicate: int
     motion: dict[str, Motion]
+    fatigue: dict[str, Fatigue]
     part: Substructure
-    true_stress: Array
     places: list[Place]
     signals: dict[str, Array]
 
@@ -44,13 +46,17 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
     """
     structure, recorded = config.structure, config.recorded.file is not None
     cut = assemble_cut(structure, *config.heights)
-    places, strain = list_places(config.sensors, config.nodes), strain_matrix(structure, cut)
+    strain, stress = strain_matrix(structure, cut), stress_matrix(structure, cut)
+    places = list_places(config.sensors, config.nodes)
     motion = load_motions(config, cut, places) if recorded else make_truth(config, replicate)
     return Case(
         replicate=replicate,
         motion=motion,
+        fatigue={
+            direction: find_fatigue(config, cut.heights, moved, stress)
+            for direction, moved in ({} if recorded else motion).items()
+        },
         part=model_substructure(config),
-        true_stress=stress_matrix(structure, cut),
         places=places,
         signals={
             direction: take_signals(moved, strain, places, config.faults)

@@ -24,7 +24,7 @@ from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import CONTEST, describe_sight
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Setting
-from owtsweep.studies.tower.measures import Fatigue, compare, find_quietest, find_true_fatigue
+from owtsweep.studies.tower.measures import compare, find_quietest
 from owtsweep.studies.tower.recorded import measure as compare_with_record
 from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
@@ -69,18 +69,10 @@ UNITS = {
 }
 
 
-class Truth(NamedTuple):
-    """One record without noise, and its true fatigue by direction; {} if it is recorded."""
-
-    case: Case
-    fatigue: dict[str, Fatigue]
-
-
 class Record(NamedTuple):
     """One record with its channels and measurements, shape (steps, channels), by direction."""
 
     case: Case
-    fatigue: dict[str, Fatigue]
     channels: dict[str, list[Channel]]
     measured: dict[str, Array]
 
@@ -99,17 +91,10 @@ def list_content(config: TowerConfig) -> dict[str, object]:
     return content
 
 
-def _make_truth(config: TowerConfig, cell: Cell, replicate: int) -> Truth:
-    case = make_case(config, replicate)
-    recorded = config.recorded.file is not None  # a record has stresses nowhere
-    return Truth(case, {} if recorded else find_true_fatigue(config, case))
-
-
-def _measure(config: TowerConfig, cell: Cell, truth: Truth) -> Record:
-    case = truth.case
+def _measure(config: TowerConfig, cell: Cell, case: Case) -> Record:
     channels = {d: list_channels(config, case, d, cell["noise"]) for d in case.motion}
     measured = {d: measure(config, case, d, channels[d]) for d in case.motion}
-    return Record(case, truth.fatigue, channels, measured)
+    return Record(case, channels, measured)
 
 
 def _inform(config: TowerConfig, cell: Cell, record: Record) -> dict[str, Part[Setting, Array]]:
@@ -126,11 +111,11 @@ def _score(
     config: TowerConfig, cell: Cell, record: Record, parts: object,
     estimates: Mapping[str, Estimates],
 ) -> dict[str, float]:  # fmt: skip
-    case, given = record.case, dict(estimates)
+    case, part = record.case, record.case.part
     if config.recorded.file is not None:
-        found = compare_with_record(case.motion, given, case.part.cut, config.record.settled)
+        found = compare_with_record(case.motion, estimates, part.cut, config.record.settled)
     else:
-        found = compare(config, case, record.fatigue, given)
+        found = compare(config, part, case.motion, case.fatigue, estimates)
     return found | find_quietest(record.channels.get(DIRECTIONS[0], []))
 
 
@@ -176,7 +161,7 @@ DECLARATION = Declaration(
     list_content=list_content,
     most_records=lambda config: 1,
     shared=("world",),
-    make_truth=_make_truth,
+    make_truth=lambda config, cell, replicate: make_case(config, replicate),
     measure=_measure,
     inform=_inform,
     score=_score,

@@ -6,9 +6,8 @@ Names of measures end with the direction, "fa" or "ss". Signals are judged after
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,9 +25,8 @@ from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equiv
 from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Kind
-
-if TYPE_CHECKING:
-    from owtsweep.studies.tower.case import Case
+from owtsweep.studies.tower.setting import Substructure
+from owtsweep.studies.tower.truth import Motion
 
 #: Criteria of the maps.
 _PART = "a hundredth of the signal itself changes no decision"
@@ -71,35 +69,49 @@ class Fatigue:
     loads: Array
 
 
-def find_true_fatigue(config: TowerConfig, case: Case) -> dict[str, Fatigue]:
-    """Compute what the true cycles do; return direction -> fatigue."""
-    return {
-        direction: _count(config, case, motion.displacement, motion.inputs, case.true_stress)
-        for direction, motion in case.motion.items()
-    }
+def find_fatigue(
+    config: TowerConfig, heights: Array, moved: Motion | Estimates, stress: Array
+) -> Fatigue:
+    """Compute what the cycles of one direction of a record do, or those of its estimates.
+
+    `heights` of the nodes are above mean sea level, in m; `stress` is in Pa for unit degrees of
+    freedom, shape (nodes, dof).
+    """
+    settled = slice(config.record.settled, None)
+    curves = config.fatigue.find_curves(heights)
+    history = moved.displacement[settled] @ stress.T
+    cycles = CYCLE_RATE * len(history) / config.record.rate
+    loads = [
+        find_equivalent_range(count_cycles(column), EXPONENT, cycles)
+        for column in moved.inputs[settled].T
+    ]
+    damage = compute_damage(history, curves, config.fatigue.ultimate_strength)
+    return Fatigue(damage, np.array(loads))
 
 
 def compare(
     config: TowerConfig,
-    case: Case,
-    true_fatigue: dict[str, Fatigue],
-    estimates: dict[str, Estimates],
+    part: Substructure,
+    motions: Mapping[str, Motion],
+    true_fatigue: Mapping[str, Fatigue],
+    estimates: Mapping[str, Estimates],
 ) -> dict[str, float]:
-    """Compare estimates, by direction, of a record with its truth; return measure -> value.
+    """Compare estimates of a record, by direction, with its truth; return measure -> value.
 
-    Raise `NotFinite` if an estimate is not finite.
+    `part` is the substructure as the scheme models it. Raise `NotFinite` if an estimate is not
+    finite.
     """
-    settled, heights = slice(config.record.settled, None), _heights(case)
+    settled, heights = slice(config.record.settled, None), config.nodes
     found: dict[str, float] = {}
     doublings, counting, worst = [], [], 0.0
     for direction in DIRECTIONS:
-        estimate, motion = estimates[direction], case.motion[direction]
+        estimate, motion = estimates[direction], motions[direction]
         moved, loads = estimate.displacement[settled], estimate.inputs[settled]
         if not (np.isfinite(moved).all() and np.isfinite(loads).all()):
             raise NotFinite("the estimate is not finite")
         true_moved, true_loads = motion.displacement[settled], motion.inputs[settled]
         true = true_fatigue[direction]
-        fatigue = _count(config, case, estimate.displacement, estimate.inputs, case.part.stress)
+        fatigue = find_fatigue(config, part.cut.heights, estimate, part.stress)
         ratio = _count_doublings(fatigue.damage, true.damage)
         doublings.append(ratio)
         counting.append(true.damage)
@@ -170,25 +182,6 @@ def find_quietest(channels: Sequence[Channel]) -> dict[str, float]:
 def name_height(height: float) -> str:
     """Return a height above the ground in names of measures, e.g. "z058" for 58 m."""
     return f"z{height:03.0f}" if height == round(height) else f"z{height:g}"
-
-
-def _heights(case: Case) -> Array:
-    return np.asarray(case.part.cut.heights - case.part.structure.mudline)
-
-
-def _count(
-    config: TowerConfig, case: Case, displacement: Array, inputs: Array, stress: Array
-) -> Fatigue:
-    settled = slice(config.record.settled, None)
-    curves = config.fatigue.find_curves(case.part.cut.heights)
-    history = displacement[settled] @ stress.T
-    cycles = CYCLE_RATE * len(history) / config.record.rate
-    loads = [
-        find_equivalent_range(count_cycles(column), EXPONENT, cycles)
-        for column in inputs[settled].T
-    ]
-    damage = compute_damage(history, curves, config.fatigue.ultimate_strength)
-    return Fatigue(damage, np.array(loads))
 
 
 def _count_doublings(damage: Array, true: Array) -> Array:
