@@ -24,7 +24,7 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
+from owtsweep.errors import InputError, require
 from owtsweep.estimation.periodic import CovarianceMap
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.contract import Channel, Setting
@@ -264,8 +264,7 @@ def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress
         if np.isfinite(best.error(criterion)):
             break
     else:
-        require(
-            False,
+        raise InputError(
             f"--count: no {count} of the candidate heights let the filter see all loads; a cut has "
             "4 unknown loads (5 in waves), of which accelerometers see 2: choose 3 or more "
             "inclinometers (4 in waves), beside 2 or more accelerometers",
