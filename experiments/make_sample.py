@@ -17,6 +17,7 @@ from __future__ import annotations
 import gzip
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.streams import stream
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.files import MOTION, SENSORS, find_data
@@ -50,11 +51,12 @@ def move(name: str, period: float, rms: float, rate: float, history: int = 0) ->
     size = np.array([rms, ACROSS * rms])
 
     def draw(direction: str) -> Motion:
-        return synthesise(
-            translated(period), stream(SEED, "sample", (name, direction), 0, "phase"),
-            steps=round(DURATION * rate), step=1.0 / rate, band=BAND, normalise="rms",
+        return SpectralSource(translated(period), BAND, "rms").realise(
+            partial(stream, SEED, "sample", (name, direction), 0),
+            steps=round(DURATION * rate),
+            step=1.0 / rate,
             history=history,
-        )  # fmt: skip
+        )
 
     drawn = [draw("along"), draw("across")]
 

@@ -14,7 +14,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.studies import compose
 from owtsweep.studies.hub.public import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig
@@ -48,10 +48,9 @@ def motion(
     seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Times and displacement along the waves of a synthesised record."""
-    made = synthesise(
-        translated(period), np.random.default_rng(seed), steps=round(duration * rate),
-        step=1.0 / rate, band=(0.05, 0.6), normalise="rms",
-    )  # fmt: skip
+    made = SpectralSource(translated(period), (0.05, 0.6), "rms").realise(
+        lambda _: np.random.default_rng(seed), steps=round(duration * rate), step=1.0 / rate
+    )
     return np.arange(len(made.position)) / rate, rms * made.position
 
 

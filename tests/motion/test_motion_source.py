@@ -13,7 +13,7 @@ import pytest
 from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import SpectralSource, synthesise
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.testing import check_source
 
 SPECTRAL = SpectralSource(translated(4.0), (0.05, 0.6))
@@ -97,11 +97,5 @@ def test_a_source_keeps_the_protocol(source: Source) -> None:
     np.testing.assert_array_equal(motion.position_at(-history, 3, 100), whole[: 3 * 100 : 3])
 
 
-def test_a_spectrum_gives_what_synthesis_draws() -> None:
-    ours = SPECTRAL.realise(streams(3), steps=600, step=0.1, history=5)
-    theirs = synthesise(
-        translated(4.0), streams(3)("phase"), steps=600, step=0.1, band=(0.05, 0.6), history=5
-    )
-    np.testing.assert_array_equal(ours.acceleration, theirs.acceleration)
-    np.testing.assert_array_equal(ours.before, theirs.before)
+def test_a_spectrum_gives_records_of_any_length() -> None:
     assert SPECTRAL.duration is None

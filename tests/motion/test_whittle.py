@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -10,7 +12,7 @@ from scipy.optimize import minimize
 from owtsweep.errors import InputError
 from owtsweep.motion import whittle
 from owtsweep.motion.spectra import Spectrum, translated
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.motion.whittle import fit, periodogram
 from owtsweep.streams import stream
 
@@ -33,15 +35,11 @@ def gaussian(spectrum: Spectrum, seed: int) -> np.ndarray:
 def test_synthesised_records_give_back_their_period_and_bandwidth(
     period: float, bandwidth: float
 ) -> None:
+    source = SpectralSource(translated(period, bandwidth), (0.02, 1.0))
     fits = []
     for replicate in range(16):
-        motion = synthesise(
-            translated(period, bandwidth),
-            stream(1, "whittle", (period,), replicate, "phase"),
-            steps=STEPS,
-            step=STEP,
-            band=(0.02, 1.0),
-        )
+        draws = partial(stream, 1, "whittle", (period,), replicate)
+        motion = source.realise(draws, steps=STEPS, step=STEP)
         fits.append(fit(motion.position, STEP))
     score = np.array(
         [

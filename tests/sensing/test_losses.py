@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.sensing.faults import Losses
+from owtsweep.sensing.faults import draw_losses
 from owtsweep.streams import stream
 
 COUNT = 200_000
@@ -18,20 +18,20 @@ def uniforms() -> np.random.Generator:
 @pytest.mark.parametrize("length", [1, 5, 40])
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.6])
 def test_the_share_that_is_lost(share: float, length: int) -> None:
-    losses = Losses(uniforms(), 1 - (1 - share) ** (1 / length), length)
+    lost = draw_losses(uniforms(), COUNT, 1 - (1 - share) ** (1 / length), length)
     # samples `length` apart are independent, so the mean has at least COUNT / length of them
     spread = np.sqrt(share * (1 - share) * 2 * length / COUNT)
-    assert losses.draw(COUNT).mean() == pytest.approx(share, abs=5 * spread + 1e-12)
+    assert lost.mean() == pytest.approx(share, abs=5 * spread + 1e-12)
 
 
 def test_single_losses_are_independent() -> None:
-    lost = Losses(uniforms(), 0.3).draw(COUNT)
+    lost = draw_losses(uniforms(), COUNT, 0.3)
     both = np.mean(lost[1:] & lost[:-1])
     assert both == pytest.approx(0.09, abs=5 * np.sqrt(0.09 / COUNT))
 
 
 def test_outages_last_their_length() -> None:
-    lost = Losses(uniforms(), 1e-4, 25).draw(COUNT)  # rare: hardly any two meet
+    lost = draw_losses(uniforms(), COUNT, 1e-4, 25)  # rare: hardly any two meet
     edges = np.flatnonzero(np.diff(np.concatenate([[0], lost, [0]]).astype(int)))
     lengths = edges[1::2] - edges[::2]
     assert np.all(lengths[:-1] >= 25)
@@ -39,6 +39,6 @@ def test_outages_last_their_length() -> None:
 
 
 def test_more_losses_keep_those_that_were() -> None:
-    few = Losses(uniforms(), 0.05, 3).draw(1000)
-    assert np.all(Losses(uniforms(), 0.1, 3).draw(1000)[few])
-    assert np.all(Losses(uniforms(), 0.05, 9).draw(1000)[few])
+    few = draw_losses(uniforms(), 1000, 0.05, 3)
+    assert np.all(draw_losses(uniforms(), 1000, 0.1, 3)[few])
+    assert np.all(draw_losses(uniforms(), 1000, 0.05, 9)[few])

@@ -5,16 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.sensing.noise import WhiteNoise, WienerBias
+from owtsweep.sensing.noise import WienerBias
 from owtsweep.streams import stream
+from owtsweep.studies import compose
+from owtsweep.studies.hub.sensors import ForceNoise, sensors
 
 
 def normals(name: str = "imu_x") -> np.random.Generator:
     return stream(2019, "hub", (4.0,), 0, name)
 
 
+def white_noise(sigma: float) -> ForceNoise:
+    """Specific forces of the hub study, with neither bias nor gravity in them."""
+    still = ["sensors.imu.bias_walk=0", "sensors.imu.bias_initial=0"]
+    config = compose([f"sensors.imu.sigma={sigma}", *still]).sensors
+    return ForceNoise(config, sensors(config), normals)
+
+
 def test_white_noise_has_its_deviation_and_no_memory() -> None:
-    noise = WhiteNoise(normals(), 0.15).draw(100_000)
+    noise = white_noise(0.15).next(100_000)[:, 0]
     assert np.std(noise) == pytest.approx(0.15, rel=5 / np.sqrt(2 * 100_000))
     lagged = np.mean(noise[1:] * noise[:-1]) / 0.15**2
     assert abs(lagged) < 5 / np.sqrt(100_000)
@@ -34,16 +43,14 @@ def test_the_variance_of_a_bias_grows_with_time() -> None:
 
 @pytest.mark.parametrize("pieces", [[1000], [1, 999], [300, 0, 699, 1]])
 def test_pieces_are_those_of_one_draw(pieces: list[int]) -> None:
-    whole = WhiteNoise(normals(), 0.1).draw(1000), WienerBias(normals(), 0.2, 0.01).draw(1000)
-    white, bias = WhiteNoise(normals(), 0.1), WienerBias(normals(), 0.2, 0.01)
-    np.testing.assert_array_equal(np.concatenate([white.draw(n) for n in pieces]), whole[0])
+    whole = white_noise(0.1).next(1000), WienerBias(normals(), 0.2, 0.01).draw(1000)
+    white, bias = white_noise(0.1), WienerBias(normals(), 0.2, 0.01)
+    np.testing.assert_array_equal(np.concatenate([white.next(n) for n in pieces]), whole[0])
     np.testing.assert_array_equal(np.concatenate([bias.draw(n) for n in pieces]), whole[1])
 
 
 def test_another_intensity_is_the_same_noise() -> None:
-    np.testing.assert_array_equal(
-        WhiteNoise(normals(), 0.5).draw(100, 2), 2 * WhiteNoise(normals(), 0.25).draw(100, 2)
-    )
+    np.testing.assert_array_equal(white_noise(0.5).next(100), 2 * white_noise(0.25).next(100))
     one, two = (WienerBias(normals(), walk, 1.0).draw(100) for walk in (1.0, 2.0))
     np.testing.assert_array_equal(two, 2 * one)
     away = WienerBias(normals(), 1.0, 1.0, initial=3.0).draw(100)

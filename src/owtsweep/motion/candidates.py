@@ -43,11 +43,7 @@ class Candidate(NamedTuple):
     @property
     def values(self) -> tuple[float, float, float]:
         """The natural period (s), the squared half-bandwidth (s^-2) and the variance (m^2)."""
-        return (
-            PERIODS[self.period],
-            BANDWIDTHS[self.bandwidth],
-            VARIANCES[self.variance],
-        )
+        return PERIODS[self.period], BANDWIDTHS[self.bandwidth], VARIANCES[self.variance]
 
 
 #: The sum of some peaks.

@@ -5,7 +5,6 @@ Each is a source along one direction, made of another source or of spectra.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from owtsweep.arrays import Array
 from owtsweep.motion.modulation import Modulation
 from owtsweep.motion.source import DerivedSource, Motion
 from owtsweep.motion.spectra import Spectrum
+from owtsweep.motion.synthesis import Normalise, find_size
 from owtsweep.streams import Streams
 
 #: Samples that a paced motion has beyond its ends, for the spline.
@@ -41,11 +41,11 @@ class PacedSource(DerivedSource):
 
     The displacement is d(s(t)), where s' is the factor; its velocity is d' s' and its acceleration
     d'' s'^2 + d' s''. Before a record the factor is as at its start. `normalise` is as of
-    `synthesis.synthesise`.
+    `synthesis.SpectralSource`.
     """
 
     pace: Modulation
-    normalise: str
+    normalise: Normalise
 
     def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
         """Draw one record of the motion; arguments and errors are those of `Source.realise`."""
@@ -71,11 +71,11 @@ class PacedSource(DerivedSource):
 class StretchedSource(DerivedSource):
     """A source whose time is stretched by a factor, and its size set as a spectrum's is.
 
-    `normalise` is as of `synthesis.synthesise`.
+    `normalise` is as of `synthesis.SpectralSource`.
     """
 
     factor: float
-    normalise: str
+    normalise: Normalise
 
     @property
     def duration(self) -> float | None:
@@ -92,8 +92,8 @@ class StretchedSource(DerivedSource):
         )
 
 
-def rescale(motion: Motion, normalise: str) -> Motion:
+def rescale(motion: Motion, normalise: Normalise) -> Motion:
     """Return a motion whose largest displacement ("peak") or standard deviation ("rms") is 1 m."""
-    size = np.abs(motion.position).max() if normalise == "peak" else np.std(motion.position)
-    names: Sequence[str] = ("position", "velocity", "acceleration", "before")
+    size = find_size(motion.position, normalise)
+    names = ("position", "velocity", "acceleration", "before")
     return replace(motion, **{name: getattr(motion, name) / size for name in names})

@@ -12,16 +12,15 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion import whittle
-from owtsweep.motion.plant import Plant, compute_forces, respond
+from owtsweep.motion.plant import Plant, draw_forces, respond
 from owtsweep.motion.synthesis import interleaved
 from owtsweep.streams import Streams
 from owtsweep.structures import Modes, Structure
-from owtsweep.waves import Sea, draw_waves
+from owtsweep.waves import Sea
 
 #: Significant wave heights (m) and peak periods (s): the range of offshore operations in section
 #: 2.1 of Ren et al. (2019), H_s up to 3 m and T_p from 4 to 10 s.
@@ -75,19 +74,12 @@ def compute_points(
     """
     require(len(seas) > 0, "seas: the list is empty; give at least one sea state")
     variants = list(_vary(structure, seas[0], blades, friction_angles))
-    rows = []
+    steps, rows = round(duration * RATE), []
     for sea in seas:
-        waves = draw_waves(
-            sea,
-            stream("phase"),
-            period=2.0 * duration,
-            depth=-structure.mudline,
-            gravity=structure.gravity,
-        )
-        heights, forces = compute_forces(structure, waves)
+        heights, forces = draw_forces(structure, sea, stream("phase"), 2.0 * duration)
         for mounted, angle, modes in variants:
-            hub = respond(modes, heights, forces, waves.period).sum(axis=0)
-            position = _sample(hub, duration)
+            hub = respond(modes, heights, forces, 2.0 * duration).sum(axis=0)
+            position = interleaved(hub, 2 * steps).T.reshape(-1)[:steps]
             rows.append(
                 {
                     "hs": sea.hs,
@@ -104,10 +96,7 @@ def compute_points(
 
 
 def _vary(
-    structure: Structure,
-    sea: Sea,
-    blades: Sequence[int],
-    friction_angles: Sequence[float | None],
+    structure: Structure, sea: Sea, blades: Sequence[int], friction_angles: Sequence[float | None]
 ) -> Iterator[tuple[int, float | None, Modes]]:
     """Yield number of blades, friction angle and modes of each variant of a structure."""
     for angle in friction_angles if structure.soil is not None else (None,):
@@ -116,12 +105,6 @@ def _vary(
             varied = structure.model_copy(update={"soil": structure.soil.with_angle(angle)})
         for mounted in blades if structure.blade is not None else (0,):
             yield mounted, angle, Plant(varied, sea, mounted).vibration
-
-
-def _sample(bins: NDArray[np.complex128], duration: float) -> Array:
-    """Return a record of displacements, m, from complex amplitudes on the lines of its double."""
-    steps = round(duration * RATE)
-    return np.asarray(interleaved(bins, 2 * steps).T.reshape(-1)[:steps])
 
 
 def find_region(points: pd.DataFrame) -> tuple[Array, Array, Array]:

@@ -47,9 +47,7 @@ def respond(frequency: Array, period: float, damping: float) -> Array:
     return np.where((ratio > 0.0) & (ratio <= HIGHEST), response, 0.0)
 
 
-def scale_to_one(
-    lines: NDArray[np.complex128],
-) -> NDArray[np.complex128]:
+def scale_to_one(lines: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Return lines (lines, columns) with a variance of 1 per column; without power they stay 0."""
     variance = 0.5 * np.sum(np.abs(lines) ** 2, axis=0)
     return np.asarray(lines / np.sqrt(np.where(variance > 0.0, variance, 1.0)))

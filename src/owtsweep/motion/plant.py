@@ -23,7 +23,7 @@ from owtsweep.motion.source import Motion
 from owtsweep.motion.synthesis import interleaved
 from owtsweep.streams import Streams
 from owtsweep.structures import Modes, Structure, compute_modes
-from owtsweep.waves import Cylinder, Sea, Waves, drag_force, draw_waves, inertia_force
+from owtsweep.waves import Cylinder, Sea, drag_force, draw_waves, inertia_force
 
 #: Points of the Gauss rule over the depth; they crowd where waves are strongest, at the surface.
 DEPTH_POINTS = 24
@@ -79,14 +79,7 @@ class Plant:
             f"sensors.imu.rate: {1.0 / step:g} Hz must be above {2.0 * HIGHEST:g} Hz, because "
             f"the plant moves at up to {HIGHEST:g} Hz",
         )
-        waves = draw_waves(
-            self.sea,
-            stream("phase"),
-            period=period,
-            depth=-self.structure.mudline,
-            gravity=self.structure.gravity,
-        )
-        heights, forces = compute_forces(self.structure, waves)
+        heights, forces = draw_forces(self.structure, self.sea, stream("phase"), period)
         answer = respond(self.vibration, heights, forces, period)
         hub = answer.sum(axis=0)
         speed = 2j * np.pi * np.arange(len(hub)) / period
@@ -102,20 +95,25 @@ class Plant:
         return Motion(step, position, velocity, acceleration, before, felt)
 
 
-def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[np.complex128]]:
-    """Compute the forces of waves on a structure at rest, at some heights from sea bed to surface.
+def draw_forces(
+    structure: Structure, sea: Sea, phase: np.random.Generator, period: float
+) -> tuple[Array, NDArray[np.complex128]]:
+    """Draw the forces of waves on a structure at rest, at some heights from sea bed to surface.
 
-    The forces depend on tubes and water alone: soil and blades change none of them.
+    The forces depend on tubes and water alone: soil and blades change none of them. They repeat
+    after `period`, s. Raise `InputError` if it is too short for waves.
 
     Return heights in m, shape (heights,), and complex amplitudes of the forces in N, shape
-    (heights, lines from 0 on), line m at the frequency m / waves.period.
+    (heights, lines from 0 on), line m at the frequency m / period.
     """
     water = structure.water
     assert water is not None  # a Plant has checked it
-    bins = int(HIGHEST * waves.period) + 1
-    count = 2 * int(np.ceil(0.5 * DRAG_RATE * waves.period))
+    depth = -structure.mudline
+    waves = draw_waves(sea, phase, period=period, depth=depth, gravity=structure.gravity)
+    bins = int(HIGHEST * period) + 1
+    count = 2 * int(np.ceil(0.5 * DRAG_RATE * period))
     lines = np.zeros(count // 2 + 1, dtype=complex)
-    heights, lengths = _depth_rule(waves.depth)
+    heights, lengths = _depth_rule(depth)
     forces = np.empty((len(heights), bins), dtype=complex)
     for row, (height, length) in enumerate(zip(heights, lengths, strict=True)):
         tube = next(t for t in structure.tubes if t.bottom <= height <= t.top)
@@ -133,7 +131,7 @@ def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[n
 def respond(
     modes: Modes, heights: Array, forces: NDArray[np.complex128], period: float
 ) -> NDArray[np.complex128]:
-    """Compute the hub's steady displacement in each mode under the forces of `compute_forces`.
+    """Compute the hub's steady displacement in each mode under the forces of `draw_forces`.
 
     The forces repeat after `period`, s. Return complex amplitudes in m, shape (modes, lines).
     """

@@ -199,19 +199,14 @@ def fit_shaping_filter(
         of_fitted = -np.sqrt(width) * _slope_of_root(log_ratio) / (fitted + floor)
         return np.asarray((sections.slopes(free, fitted) * of_fitted).T)
 
-    best = None
-    for start in sections.list_starts(density, floor):
-        found = least_squares(
-            residuals,
-            start,
-            slopes,
-            bounds=sections.bounds(),
-            x_scale="jac",
-            max_nfev=EVALUATIONS,
+    fits = [
+        least_squares(
+            residuals, start, slopes, bounds=sections.bounds(), x_scale="jac", max_nfev=EVALUATIONS
         )
-        if best is None or found.cost < best.cost:
-            best = found
-    return _realise(*sections.roots(best.x), frequency, target, floor)  # type: ignore[union-attr]
+        for start in sections.list_starts(density, floor)
+    ]
+    best = min(fits, key=lambda fit: float(fit.cost))
+    return _realise(*sections.roots(best.x), frequency, target, floor)
 
 
 def _signed_root(log_ratio: Array) -> Array:

@@ -7,6 +7,7 @@ if, and only if, 2 sqrt(c) + b > 0. (At the peak, the denominator is f* (2 sqrt(
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -97,17 +98,13 @@ def printed(natural_period: float) -> Spectrum:
     return spectrum
 
 
-KINDS = ("translated", "printed")
+def spectrum(
+    kind: Literal["translated", "printed"], natural_period: float, bandwidth: float
+) -> Spectrum:
+    """Return the spectrum of a kind, as the functions of these names do.
 
-
-def spectrum(kind: str, natural_period: float, bandwidth: float) -> Spectrum:
-    """Return the spectrum of a kind: "translated" or "printed", as the functions of these names do.
-
-    Raise `InputError` if `kind` is neither, or if the printed spectrum does not exist for the
-    natural period.
+    Raise `InputError` if the printed spectrum does not exist for the natural period.
     """
-    if kind == "translated":
-        return translated(natural_period, bandwidth)
     if kind == "printed":
         return printed(natural_period)
-    raise InputError(f"spectrum.kind: {kind!r} is none of {', '.join(KINDS)}")
+    return translated(natural_period, bandwidth)

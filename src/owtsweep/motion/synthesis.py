@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ SIDE_BY_SIDE, TOGETHER = 4, 2**16
 #: Longer transforms are made by NumPy: for a length with large prime factors, SciPy keeps some
 #: hundred bytes per sample until the process ends.
 LONG = 2**19
+
+#: What of a record's displacement is 1 m: its largest value, or its standard deviation.
+Normalise = Literal["peak", "rms"]
 
 
 class Density(Protocol):
@@ -95,9 +98,6 @@ def _turns(bins: int, samples: int, length: int) -> NDArray[np.complex128]:
     return turns
 
 
-NORMALISATIONS = ("peak", "rms")
-
-
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
     """Return the numbers m and the frequencies m / period (Hz) of the lines inside a band.
 
@@ -125,84 +125,78 @@ def line_numbers(band: tuple[float, float], period: float) -> range:
     return numbers
 
 
-def synthesise(
-    spectrum: Density,
-    phase: np.random.Generator,
-    *,
-    steps: int,
-    step: float,
-    band: tuple[float, float],
-    normalise: str = "peak",
-    history: int = 0,
-) -> Motion:
-    """Draw one record of motion along one direction from a spectrum.
+def find_size(position: Array, normalise: Normalise) -> float:
+    """Return the largest displacement ("peak"), up to its sign, or the standard deviation ("rms").
+
+    `position` is in m, and may have any shape.
+    """
+    if normalise == "peak":
+        return float(max(np.max(position), -np.min(position)))
+    return float(np.std(position))
+
+
+@dataclass(frozen=True)
+class SpectralSource:
+    """A source of motion along one direction: records of a spectrum with random phases.
 
     Spectral lines at f_m = m df, df = 1 / (2 duration), inside the band have the amplitude sqrt(2
     S(f_m) df) and a uniform random phase. Position, velocity and acceleration are one inverse
     Fourier transform each (`interleaved`). The first half of the transform's period is the record,
     so nothing repeats inside the record. The positions before t = 0 are the end of the second half.
-    Raise `InputError` if no line lies in the band, or `normalise` is neither "peak" nor "rms".
 
-    spectrum: Only its shape matters, because the record is normalised.
-    phase: Random generator of the phases. Line m always takes the random number of index m. So
-        moving an edge of the band does not change the phases of lines that stay inside.
-    steps, step: Number of samples and sampling interval (s); the duration is their product.
+    Line m always takes the random number of index m. So moving an edge of the band does not change
+    the phases of lines that stay inside.
+
+    spectrum: Only its shape matters to a record, because it is normalised.
     band: Lower and upper edge of the band, Hz.
     normalise: "peak": the largest displacement in the record is 1 m, up to its sign. "rms": the
         standard deviation of the displacement is 1 m.
-    history: Number of steps before t = 0 whose positions are kept.
     """
-    numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
-    result = np.empty((3, steps))
-    omega = 2.0 * np.pi * frequency
-    whole = _sampled(numbers, line, steps)
-    record = _first_half(whole)
-    if normalise == "peak":
-        scale = 1.0 / float(max(np.max(record), -np.min(record)))
-    elif normalise == "rms":
-        scale = 1.0 / float(np.std(record))
-    else:
-        raise InputError(f"normalise: {normalise!r} is none of {', '.join(NORMALISATIONS)}")
-    before = scale * _newest(whole, history)
-    _put(record, scale, result[0])
-    for row, factor in ((1, 1j * omega), (2, -(omega**2))):
-        del record, whole  # frees the memory of a long record before the next is made
-        whole = _sampled(numbers, line * factor, steps)
+
+    spectrum: Density
+    band: tuple[float, float]
+    normalise: Normalise = "peak"
+    streams: ClassVar[tuple[str, ...]] = ("phase",)
+    duration: ClassVar[None] = None
+
+    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
+        """Draw one record of any length, as `Source.realise` says; the stream is "phase".
+
+        Raise `InputError` if no spectral line lies in the band.
+        """
+        numbers, frequency, line = self._draw_lines(stream("phase"), steps, step)
+        result = np.empty((3, steps))
+        omega = 2.0 * np.pi * frequency
+        whole = _sampled(numbers, line, steps)
         record = _first_half(whole)
-        _put(record, scale, result[row])
-    return Motion(step, result[0], result[1], result[2], before)
+        scale = 1.0 / find_size(record, self.normalise)
+        before = scale * _newest(whole, history)
+        _put(record, scale, result[0])
+        for row, factor in ((1, 1j * omega), (2, -(omega**2))):
+            del record, whole  # frees the memory of a long record before the next is made
+            whole = _sampled(numbers, line * factor, steps)
+            record = _first_half(whole)
+            _put(record, scale, result[row])
+        return Motion(step, result[0], result[1], result[2], before)
 
+    def draw_displacement(self, phase: np.random.Generator, steps: int, step: float) -> Array:
+        """Draw the displacement of a record, not normalised, in m, shape (steps,).
 
-def displacement(
-    spectrum: Density,
-    phase: np.random.Generator,
-    *,
-    steps: int,
-    step: float,
-    band: tuple[float, float],
-) -> Array:
-    """Draw one record of displacement along one direction, not normalised; shape (steps,), in m.
+        `realise`, given the same random numbers, draws the same, multiplied by a factor. Raise
+        `InputError` if no line lies in the band.
+        """
+        numbers, _, line = self._draw_lines(phase, steps, step)
+        return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
 
-    `synthesise` with the same arguments draws the same displacement, multiplied by a factor. Raise
-    `InputError` if no line lies in the band.
-    """
-    numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
-    return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
-
-
-def _drawn_lines(
-    spectrum: Density,
-    phase: np.random.Generator,
-    steps: int,
-    step: float,
-    band: tuple[float, float],
-) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
-    """Draw the lines of a record: numbers, frequencies (Hz), complex amplitudes (m)."""
-    period = 2 * steps * step
-    numbers, frequency = lines(band, period)
-    amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
-    phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
-    return numbers, frequency, amplitude * np.exp(1j * phases)
+    def _draw_lines(
+        self, phase: np.random.Generator, steps: int, step: float
+    ) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
+        """Draw the lines of a record: numbers, frequencies (Hz), complex amplitudes (m)."""
+        period = 2 * steps * step
+        numbers, frequency = lines(self.band, period)
+        amplitude = np.sqrt(2.0 * self.spectrum.density(frequency) / period)
+        phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
+        return numbers, frequency, amplitude * np.exp(1j * phases)
 
 
 def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
@@ -227,33 +221,3 @@ def _newest(whole: Array, count: int) -> Array:
 def _put(rows: Array, scale: float, out: Array) -> None:
     """Write samples, arranged as by `interleaved`, times `scale` to `out`, in order of time."""
     np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))
-
-
-@dataclass(frozen=True)
-class SpectralSource:
-    """A source of motion along one direction: records of a spectrum with random phases.
-
-    Attributes are as the arguments of `synthesise`.
-    """
-
-    spectrum: Density
-    band: tuple[float, float]
-    normalise: str = "peak"
-    streams: ClassVar[tuple[str, ...]] = ("phase",)
-    duration: ClassVar[None] = None
-
-    def realise(self, stream: Streams, *, steps: int, step: float, history: int = 0) -> Motion:
-        """Draw one record of any length, as `Source.realise` says; the stream is "phase".
-
-        Raise `InputError` if no spectral line lies in the band, or `normalise` is neither "peak"
-        nor "rms".
-        """
-        return synthesise(
-            self.spectrum,
-            stream("phase"),
-            steps=steps,
-            step=step,
-            band=self.band,
-            normalise=self.normalise,
-            history=history,
-        )

@@ -10,7 +10,7 @@ given f* and k the best a is the mean of I_j / (S(f_j) / a), so only f* and k ar
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -160,11 +160,8 @@ def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAN
     peak, k = _search(f, observed, df, band)
     shape = _shape(f, peak, k)
     a = float(np.mean(observed / shape))
-    ratio = observed / (a * shape)
-    spectrum = Spectrum(a=a, b=-2.0 * peak + k / peak, c=peak**2)
-    probability = _test_shape(ratio)
-    return Fit(
-        spectrum=spectrum,
+    found = Fit(
+        spectrum=Spectrum(a=a, b=-2.0 * peak + k / peak, c=peak**2),
         natural_period=1.0 / peak,
         bandwidth=k,
         errors=_estimate_errors(f, a, peak, k),
@@ -172,9 +169,11 @@ def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAN
         lines=len(f),
         band_share=float(observed.sum() / power.sum()),
         explained=_measure_overlap(observed, a * shape),
-        probability=probability,
-        warnings=tuple(_list_doubts(f, observed, peak, k, df, band, probability)),
+        probability=_test_shape(observed / (a * shape)),
+        warnings=(),
     )
+    doubts = _list_doubts(found, peak, df, largest=f[int(np.argmax(observed))])
+    return replace(found, warnings=tuple(doubts))
 
 
 def _shape(f: Array, peak: float, k: float) -> Array:
@@ -215,13 +214,8 @@ def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, flo
     of the derivatives of log S with respect to a, the peak (Hz) and k (s^-2).
     """
     below = (f - peak) ** 2 + (k / peak) * f
-    slopes = np.array(
-        [
-            np.full(len(f), 1.0 / a),
-            (2.0 * (f - peak) + (k / peak**2) * f) / below,
-            -(f / peak) / below,
-        ]
-    )  # of log S to a, f*, k
+    of_peak = (2.0 * (f - peak) + (k / peak**2) * f) / below
+    slopes = np.array([np.full(len(f), 1.0 / a), of_peak, -(f / peak) / below])  # to a, f*, k
     scale = np.array([a, peak, k])
     scaled = slopes * scale[:, None]
     covariance = np.linalg.pinv(scaled @ scaled.T) * np.outer(scale, scale)
@@ -258,34 +252,25 @@ def _test_shape(ratio: Array) -> float:
     return float(kolmogorov(np.sqrt(n) * np.max(distance)))
 
 
-def _list_doubts(
-    f: Array,
-    observed: Array,
-    peak: float,
-    k: float,
-    df: float,
-    band: tuple[float, float],
-    probability: float,
-) -> list[str]:
-    doubts = []
+def _list_doubts(fit: Fit, peak: float, df: float, largest: float) -> list[str]:
+    """Return what is wrong with a fit; frequencies, also that of the largest line, are in Hz."""
+    band, half, doubts = fit.band, fit.half_bandwidth, []
     if not band[0] + df <= peak <= band[1] - df:
         doubts.append(
             f"the peak, {peak:.4g} Hz, is at the edge of the band [{band[0]:g}, {band[1]:g}] Hz or "
             "outside: the period is a guess"
         )
-    if np.sqrt(k) < df:
+    if half < df:
         doubts.append(
-            f"the half-bandwidth, {np.sqrt(k):.2g} Hz, is below the record's resolution of "
+            f"the half-bandwidth, {half:.2g} Hz, is below the record's resolution of "
             f"{df:.2g} Hz: it is narrower than this record can tell"
         )
-    if np.sqrt(k) > peak:
+    if half > peak:
         doubts.append("the spectrum is so broad that it has no peak to speak of")
-    if probability < DOUBTFUL:
-        away = f[int(np.argmax(observed))]
+    if fit.probability < DOUBTFUL:
         other = ""
-        if abs(away - peak) > 3 * df:
-            other = f"; its largest line is at {away:.4g} Hz: fit a band around that"
-        doubts.append(
-            f"one peak of this shape does not describe the record (p = {probability:.1g}){other}"
-        )
+        if abs(largest - peak) > 3 * df:
+            other = f"; its largest line is at {largest:.4g} Hz: fit a band around that"
+        p = f"p = {fit.probability:.1g}"
+        doubts.append(f"one peak of this shape does not describe the record ({p}){other}")
     return doubts

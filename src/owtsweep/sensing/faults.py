@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
 
-@dataclass
-class Losses:
-    """The losses of a sensor's samples.
+def draw_losses(
+    generator: np.random.Generator, count: int, probability: float, length: int = 1
+) -> NDArray[np.bool_]:
+    """Draw which of a sensor's samples are lost, a mask of the shape (count,).
 
     At each sample an outage begins with the same probability, independently of others, perhaps
     inside another outage; none begins before the first sample. In the long run the share 1 - (1 -
@@ -23,14 +22,7 @@ class Losses:
     `probability`: probability that an outage begins at a sample. `length`: of an outage, in
     samples.
     """
-
-    generator: np.random.Generator
-    probability: float
-    length: int = 1
-
-    def draw(self, count: int) -> NDArray[np.bool_]:
-        """Return a mask (count,) of which samples are lost."""
-        return _find_bursts(self.generator.random(count) < self.probability, self.length)[0]
+    return _find_bursts(generator.random(count) < probability, length)[0]
 
 
 def _find_bursts(

@@ -1,8 +1,8 @@
-"""Draws white noise, red noise (a first-order Gauss-Markov process) and a wandering bias.
+"""Draws red noise (a first-order Gauss-Markov process) and a wandering bias.
 
-White noise and bias are made of standard normal numbers, taken from a random stream one after the
-other and scaled afterwards. Therefore drawing in pieces gives the same numbers, bit for bit, as a
-single draw; and with the same stream, noises of different intensity differ only in scale.
+A bias is made of standard normal numbers, taken from a random stream one after the other and scaled
+afterwards. Therefore drawing in pieces gives the same numbers, bit for bit, as a single draw; and
+with the same stream, biases of different intensity differ only in scale.
 """
 
 from __future__ import annotations
@@ -12,23 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-
-
-@dataclass
-class WhiteNoise:
-    """The white noise of one channel: independent, normally distributed errors.
-
-    `sigma`, in the unit of the measured quantity, is the standard deviation of a sample.
-    """
-
-    generator: np.random.Generator
-    sigma: float
-
-    def draw(self, *shape: int) -> Array:
-        """Draw the next samples of the noise."""
-        noise = self.generator.standard_normal(shape)
-        noise *= self.sigma
-        return noise
 
 
 @dataclass
@@ -50,17 +33,12 @@ class WienerBias:
     initial: float = 0.0
     last: float | None = None
 
-    @property
-    def deviation(self) -> float:
-        """The standard deviation of the change of the bias from one sample to the next."""
-        return float(self.walk * np.sqrt(self.step))
-
     def draw(self, steps: int) -> Array:
         """Draw the next `steps` samples of the bias, shape (steps,)."""
         bias = self.generator.standard_normal(steps)
         if steps == 0:
             return bias
-        bias *= self.deviation
+        bias *= self.walk * np.sqrt(self.step)
         bias[0] = self.initial if self.last is None else self.last + bias[0]
         np.cumsum(bias, out=bias)
         self.last = float(bias[-1])

@@ -12,7 +12,7 @@ from tools import SMALL, configure
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import displacement, lines, synthesise
+from owtsweep.motion.synthesis import SpectralSource, lines
 from owtsweep.streams import stream
 from owtsweep.studies.hub import batch, cache, estimates, peak
 from owtsweep.studies.hub import sensors as sensing
@@ -179,23 +179,22 @@ def test_records_scatter_around_the_expectation(
 
 @pytest.mark.parametrize("steps", [1200, 38400])
 def test_displacements_of_peak_factors_are_those_of_records(steps: int) -> None:
-    shape, band, step = spectrum("translated", 4.0, 2.4e-4), (0.05, 0.6), 2000.0 / 38400
+    source, step = SpectralSource(spectrum("translated", 4.0, 2.4e-4), (0.05, 0.6)), 2000.0 / 38400
 
-    def phases() -> np.random.Generator:
+    def phases(_: str) -> np.random.Generator:
         return stream(3, "hub", (0.0,), 5, peak.STREAM)
 
-    position = displacement(shape, phases(), steps=steps, step=step, band=band)
-    scaled = synthesise(shape, phases(), steps=steps, step=step, band=band).position
+    position = source.draw_displacement(phases(""), steps, step)
+    scaled = source.realise(phases, steps=steps, step=step).position
     assert np.array_equal(position * (1.0 / np.max(np.abs(position))), scaled)
 
 
 def test_a_peak_factor_is_that_of_records() -> None:
     config = configure("record.duration=200")
-    shape = spectrum("translated", 5.0, config.spectrum.bandwidth)
+    source = SpectralSource(spectrum("translated", 5.0, config.spectrum.bandwidth), (0.05, 0.6))
     rng = np.random.default_rng(3)
     some = [
-        np.var(synthesise(shape, rng, steps=4000, step=0.05, band=(0.05, 0.6)).position)
-        for _ in range(300)
+        np.var(source.realise(lambda _: rng, steps=4000, step=0.05).position) for _ in range(300)
     ]
     (found,) = peak_factors(config, [5.0])
     assert found == pytest.approx(np.mean(some), rel=0.05)

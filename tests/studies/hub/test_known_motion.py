@@ -7,7 +7,7 @@ import pytest
 
 from owtsweep import InputError
 from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.studies import compose
 from owtsweep.studies.hub.known_motion import find_known_motion
 from owtsweep.studies.hub.known_motion import find_noise_density as find_noise
@@ -19,10 +19,9 @@ SHORT = "record.duration=200"
 def test_variances_are_those_of_records() -> None:
     config = compose([SHORT, "wave_direction=60"])
     known = find_known_motion(config, 4.0, 2.0)
+    source = SpectralSource(translated(4.0), (0.05, 0.6))
     records = [
-        synthesise(
-            translated(4.0), np.random.default_rng(seed), steps=2000, step=0.1, band=(0.05, 0.6)
-        )
+        source.realise(lambda _, seed=seed: np.random.default_rng(seed), steps=2000, step=0.1)
         for seed in range(200)
     ]
     along = np.mean([np.var(2.0 * record.position) for record in records])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.sensing.faults import Losses
+from owtsweep.sensing.faults import draw_losses
 from owtsweep.streams import Streams
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.floater.config import FloaterConfig
@@ -160,7 +160,7 @@ def _lose(config: FloaterConfig, share: float, draw: np.random.Generator) -> NDA
     if sensors.loss_every is None:
         # An outage of this length begins so often that the share is lost in the long run.
         begins = 1.0 - (1.0 - share) ** (1.0 / length)
-        return Losses(draw, begins, length).draw(record.steps)
+        return draw_losses(draw, record.steps, begins, length)
     every = round(sensors.loss_every * record.rate)
     sample = np.arange(record.steps)
     return np.asarray((sample >= every) & (sample % every < length))

@@ -16,7 +16,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import displacement
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.streams import stream
 from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
@@ -78,11 +78,11 @@ def _mean(config: HubConfig, period: float) -> float:
     duration = config.record.duration
     steps = int(np.ceil(duration * config.band[1] * SAMPLES))
     shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
-    band = (config.band[0], config.band[1])
+    source = SpectralSource(shape, (config.band[0], config.band[1]))
     total = 0.0
     for record in range(RECORDS):
         phase = stream(config.seed, "hub", (0.0,), record, STREAM)
-        position = displacement(shape, phase, steps=steps, step=duration / steps, band=band)
+        position = source.draw_displacement(phase, steps, duration / steps)
         scale = 1.0 / np.max(np.abs(position))
         total += float(np.var(scale * position))
     return total / RECORDS

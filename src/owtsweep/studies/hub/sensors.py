@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.source import Motion
-from owtsweep.sensing.faults import Losses, draw_outliers
-from owtsweep.sensing.noise import WhiteNoise, WienerBias, draw_gauss_markov
+from owtsweep.sensing.faults import draw_losses, draw_outliers
+from owtsweep.sensing.noise import WienerBias, draw_gauss_markov
 from owtsweep.streams import Streams
 from owtsweep.studies.hub.config import STRUCTURE, SensorConfig
 
@@ -194,14 +194,15 @@ class ForceNoise:
             WienerBias(stream(f"bias_{axis}"), imu.bias_walk, sensors.step, imu.bias_initial)
             for axis in "xy"
         ]
-        self.white = [WhiteNoise(stream(f"imu_{axis}"), sensors.force_sigma) for axis in "xy"]
+        self.white, self.sigma = [stream(f"imu_{axis}") for axis in "xy"], sensors.force_sigma
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
 
     def next(self, steps: int) -> Array:
         """Draw the noise of the next steps, in the IMU's frame, in m/s^2, shape (steps, 2)."""
         force = np.empty((steps, 2))
         for axis in range(2):
-            total = self.white[axis].draw(steps)
+            total = self.white[axis].standard_normal(steps)
+            total *= self.sigma
             total += self.bias[axis].draw(steps)
             np.subtract(total, self.gravity[axis], out=force[:, axis])
         return force
@@ -215,7 +216,7 @@ def fix_noise(config: SensorConfig, sensors: Sensors, steps: int, stream: Stream
     gnss_outlier_offsets and gnss_loss.
     """
     gnss, count = config.gnss, fix_count(steps, sensors.fix_interval)
-    added = WhiteNoise(stream("gnss"), sensors.position_sigma).draw(count, 2)
+    added = sensors.position_sigma * stream("gnss").standard_normal((count, 2))
     red, outliers = gnss.correlation, gnss.outliers
     if red.sigma > 0.0:
         added += draw_gauss_markov(
@@ -231,8 +232,9 @@ def fix_noise(config: SensorConfig, sensors: Sensors, steps: int, stream: Stream
             length=outliers.length,
         )
     if gnss.loses:
-        losses = Losses(stream("gnss_loss"), gnss.loss.probability, gnss.loss.length)
-        added[losses.draw(count)] = np.nan
+        loss = gnss.loss
+        lost = draw_losses(stream("gnss_loss"), count, loss.probability, loss.length)
+        added[lost] = np.nan
     return added
 
 

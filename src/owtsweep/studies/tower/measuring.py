@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.gravity import GRAVITY
-from owtsweep.sensing.faults import Losses
+from owtsweep.sensing.faults import draw_losses
 from owtsweep.sensing.noise import WienerBias
 from owtsweep.streams import Streams
 from owtsweep.structures.bernoulli import NEAR
@@ -110,7 +110,8 @@ def add_errors(
             wander = WienerBias(draws(f"drift_{name}"), walk, step)
             measured[:, column] += wander.draw(len(signal))
         if faults.loss > 0.0:
-            lost = Losses(draws(f"loss_{name}"), faults.loss, faults.loss_length)
-            kept = np.where(lost.draw(len(signal)), 0, np.arange(len(signal)))
+            draw, steps = draws(f"loss_{name}"), len(signal)
+            lost = draw_losses(draw, steps, faults.loss, faults.loss_length)
+            kept = np.where(lost, 0, np.arange(steps))
             measured[:, column] = measured[np.maximum.accumulate(kept), column]
     return measured

@@ -1,6 +1,6 @@
 """Loads of waves on the wetted part of a structure, as loads on a beam's degrees of freedom.
 
-Forces per length are those of the hub study's plant (`owtsweep.motion.plant.compute_forces`):
+Forces per length are those of the hub study's plant (`owtsweep.motion.plant.draw_forces`):
 Morison's equation on the structure at rest, with MacCamy and Fuchs' inertia coefficient. They are
 spread over the nodes with the work of the elements' shape functions.
 """
@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import sample_periodic
-from owtsweep.motion.plant import compute_forces
+from owtsweep.motion.plant import draw_forces
 from owtsweep.streams import Streams
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.sections import SeaState
-from owtsweep.waves import Sea, draw_waves
+from owtsweep.waves import Sea
 
 
 @dataclass(frozen=True)
@@ -55,14 +55,8 @@ def make_wave_loads(
     steps, step, lead: Number of samples, sampling interval (s), and number of samples before the
         record, at most `steps`.
     """
-    waves = draw_waves(
-        Sea(sea.hs, sea.tp, sea.gamma),
-        draws("waves"),
-        period=2 * steps * step,
-        depth=-structure.mudline,
-        gravity=structure.gravity,
-    )
-    heights, forces = compute_forces(structure, waves)
+    drawn = Sea(sea.hs, sea.tp, sea.gamma)
+    heights, forces = draw_forces(structure, drawn, draws("waves"), 2 * steps * step)
     shapes = beam.interpolate(heights)
     dof = np.flatnonzero(np.any(shapes != 0.0, axis=0))
 
