@@ -66,7 +66,8 @@ def main(arguments: list[str]) -> int:
         error = (motions[name][0] - motions["truth"][0])[judged]
         rms = np.sqrt(np.mean(np.sum(error**2, axis=1)))
         found = compare_chances(chances["truth"], chances[name])
-        print(f"{name:10s} {rms:14.3f} m {100 * found.missed:11.0f} % {100 * found.false:8.0f} %")
+        missed, false = 100 * found["missed"], 100 * found["false"]
+        print(f"{name:10s} {rms:14.3f} m {missed:11.0f} % {false:8.0f} %")
     draw(blade.time[judged], motions, chances, judged, f"record {number}, outage {outage} s")
     print("mating.png: the last 100 s")
     return 0

@@ -56,11 +56,8 @@ class Estimate:
         innovation: Innovation | None = None,
         **quantities: Array,
     ) -> None:
-        if velocity is not None:
-            quantities = {"velocity": velocity, **quantities}
-        if position is not None:
-            quantities = {"position": position, **quantities}
-        self.quantities = quantities
+        usual = {"position": position, "velocity": velocity}
+        self.quantities = {k: value for k, value in usual.items() if value is not None} | quantities
         self.covariance = covariance
         self.innovation = innovation
 

@@ -20,16 +20,13 @@ from owtsweep.evaluation.trajectory import Trajectory
 class Updating(Protocol):
     """The interface of an estimator that can be run step by step."""
 
+    @abstractmethod
     def update(self, inputs: Array, fix: Array | None = None, /) -> object:
         """Take the inputs of a step, and its fix if any; return an `Estimate` of the state."""
 
 
-class RecordEstimator(ABC):
+class RecordEstimator(Updating, ABC):
     """The base class of an estimator that can also take many steps in one call."""
-
-    @abstractmethod
-    def update(self, inputs: Array, fix: Array | None = None, /) -> object:
-        """Take the measurements of a step, as `Updating.update`."""
 
     @abstractmethod
     def run_record(self, inputs: Array, fixes: Array, /) -> Trajectory:
@@ -99,8 +96,10 @@ def collect(estimates: Iterable[object], steps: int, first: int = 0) -> Trajecto
     for k, estimate in enumerate(estimates):
         if not isinstance(estimate, Estimate):
             raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
-        state[k, :2] = _check_quantity(estimate, "position", first + k)
-        state[k, 2:] = _check_quantity(estimate, "velocity", first + k)
+        for name, part in (("position", slice(2)), ("velocity", slice(2, 4))):
+            if name not in estimate.quantities:
+                raise ValueError(f"the estimate of step {first + k} has no {name}")
+            state[k, part] = _check_array(estimate.quantities[name], (2,), name, first + k)
         if estimate.covariance is not None:
             if covariance is None:
                 covariance = np.full((steps, 4, 4), np.nan)
@@ -117,12 +116,6 @@ def collect(estimates: Iterable[object], steps: int, first: int = 0) -> Trajecto
                 weight, (m, m), "innovation's covariance", first + k
             )
     return Trajectory(state, covariance, innovation, innovation_covariance)
-
-
-def _check_quantity(estimate: Estimate, name: str, step: int) -> Array:
-    if name not in estimate.quantities:
-        raise ValueError(f"the estimate of step {step} has no {name}")
-    return _check_array(estimate.quantities[name], (2,), name, step)
 
 
 def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) -> Array:

@@ -14,25 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-
-
-class Errors(NamedTuple):
-    """The errors of an estimator over a record, as a sum of one or two parts.
-
-    Covariances and innovations are NaN at steps without one.
-
-    state: Errors of x, y, v_x, v_y: one array (steps, 4), the whole error, or two, the part due to
-        the motion and the part due to noise.
-    covariance: Covariances of the errors by the estimator's own account, shape (steps, 4, 4), or
-        None.
-    innovation: one or two arrays (steps, m), with the same parts as `state`; else no array.
-    innovation_covariance: shape (steps, m, m), or None.
-    """
-
-    state: Sequence[Array]
-    covariance: Array | None = None
-    innovation: Sequence[Array] = ()
-    innovation_covariance: Array | None = None
+from owtsweep.evaluation.trajectory import Trajectory
 
 
 class Mean(NamedTuple):
@@ -46,8 +28,11 @@ class Mean(NamedTuple):
     samples: int
 
 
-def measure(errors: Errors, first: int = 0) -> dict[str, Mean]:
+def measure(errors: Sequence[Trajectory], first: int = 0) -> dict[str, Mean]:
     """Compute the measures of a record from step `first` on: mean squared errors, NEES and NIS.
+
+    `errors` is the whole error of an estimator, or two parts, that due to the motion and that due
+    to noise: trajectories whose `state` is an error. Covariances are those of the last part.
 
     There is a mean squared error of every component, and of position and velocity as the sum over
     both components. "nees" is the mean of the squared error weighted with the inverse of the
@@ -57,18 +42,18 @@ def measure(errors: Errors, first: int = 0) -> dict[str, Mean]:
 
     Return name of a component, "position", "velocity", "nees" or "nis" -> mean of the measure.
     """
-    state = [part[first:] for part in errors.state]
+    state, last = [part.state[first:] for part in errors], errors[-1]
     means = {
         name: Mean(_products([part[:, i] for part in state]), len(state[0]))
         for i, name in enumerate(("x", "y", "vx", "vy"))
     }
     for name, x, y in (("position", "x", "y"), ("velocity", "vx", "vy")):
         means[name] = Mean(means[x].products + means[y].products, len(state[0]))
-    if errors.covariance is not None:
-        _add_weighted(means, "nees", state, errors.covariance[first:])
-    if errors.innovation and errors.innovation_covariance is not None:
-        innovation = [part[first:] for part in errors.innovation]
-        _add_weighted(means, "nis", innovation, errors.innovation_covariance[first:])
+    if last.covariance is not None:
+        _add_weighted(means, "nees", state, last.covariance[first:])
+    innovations = [part.innovation[first:] for part in errors if part.innovation is not None]
+    if innovations and last.innovation_covariance is not None:
+        _add_weighted(means, "nis", innovations, last.innovation_covariance[first:])
     return means
 
 
@@ -77,8 +62,8 @@ def _add_weighted(
 ) -> None:
     """Add to `means` a mean square weighted with the inverse of a covariance (steps, n, n).
 
-    `parts` are as in `Errors.state`. The mean is over the steps at which all is finite; if there is
-    none, nothing is added.
+    `parts` are the whole error or two parts of it, (steps, n) each. The mean is over the steps at
+    which all is finite; if there is none, nothing is added.
     """
     there = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement

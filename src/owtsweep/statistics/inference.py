@@ -135,9 +135,7 @@ def percentile_interval(samples: Array) -> tuple[float, float]:
     A NaN sample counts as -infinity for the lower end and as infinity for the upper end. A lower
     end of -infinity is returned as NaN.
     """
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    worst_low = np.sort(np.where(np.isnan(samples), -np.inf, samples))
-    worst_high = np.sort(np.where(np.isnan(samples), np.inf, samples))
-    low = worst_low[int(np.floor(tail * (len(samples) - 1)))]
-    high = worst_high[int(np.ceil((1.0 - tail) * (len(samples) - 1)))]
+    tail, none = 0.5 * (1.0 - CONFIDENCE), np.isnan(samples)
+    low = np.quantile(np.where(none, -np.inf, samples), tail, method="lower")
+    high = np.quantile(np.where(none, np.inf, samples), 1.0 - tail, method="higher")
     return float(low if low > -np.inf else np.nan), float(high)

@@ -45,12 +45,12 @@ def test_a_record_shorter_than_a_mating() -> None:
 def test_shares_of_chances() -> None:
     true = np.array([1, 1, 1, 0, 0, 0, 0, 0], bool)
     told = np.array([1, 0, 0, 1, 0, 0, 0, 0], bool)
-    chances = compare_chances(true, told)
-    assert chances == pytest.approx((3 / 8, 2 / 8, 3 / 8, 2 / 3, 1 / 2))
+    shares = {"wrong": 3 / 8, "chance": 3 / 8, "told": 2 / 8, "missed": 2 / 3, "false": 1 / 2}
+    assert compare_chances(true, told) == pytest.approx(shares)
     never = compare_chances(np.zeros(4, bool), np.zeros(4, bool))
-    assert (never.true, never.estimated, never.wrong) == (0.0, 0.0, 0.0)
-    assert np.isnan(never.missed)
-    assert np.isnan(never.false)
+    assert (never["chance"], never["told"], never["wrong"]) == (0.0, 0.0, 0.0)
+    assert np.isnan(never["missed"])
+    assert np.isnan(never["false"])
 
 
 def test_a_perfect_estimate_is_never_wrong() -> None:

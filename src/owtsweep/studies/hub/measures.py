@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.measures import Errors, Mean, measure
+from owtsweep.evaluation.measures import Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base.rows import Means
 
@@ -120,19 +120,13 @@ def from_trajectories(
     settled: number of the first step after the settling time.
     extremes: whether to compute `EXTREMES` too; this has no effect unless `motion` is None.
     """
-    parts = [noise] if motion is None else [motion, noise]
-    innovation = [part.innovation for part in parts if part.innovation is not None]
-    errors = Errors(
-        [parts[0].state - truth, *(part.state for part in parts[1:])],
-        noise.covariance,
-        innovation,
-        noise.innovation_covariance,
-    )
+    moved, *others = [noise] if motion is None else [motion, noise]
+    errors = [moved._replace(state=moved.state - truth), *others]
     entries = []
     for window, start in zip(WINDOWS, (0, settled), strict=True):
         means = measure(errors, start)
         if extremes and motion is None:
-            squared = np.sum(errors.state[0][start:, :2] ** 2, axis=1)[:, None]
+            squared = np.sum(errors[0].state[start:, :2] ** 2, axis=1)[:, None]
             values = zip(EXTREMES, _extremes(squared)[..., 0], strict=True)
             means |= {name: Mean(value, len(squared)) for name, value in values}
         for name, (mean, count) in means.items():

@@ -15,6 +15,12 @@ from owtsweep.sweep.study import Engine
 __all__ = ["MatingStudy"]
 
 
+def _find_blade() -> ContestStudy:
+    blade = get_study("blade")
+    assert isinstance(blade, ContestStudy)
+    return blade
+
+
 class MatingStudy(ContestStudy):
     """The study of a blade's mating with the hub."""
 
@@ -28,12 +34,10 @@ class MatingStudy(ContestStudy):
 
     def scheme_table(self) -> SchemeTable:
         """Return the schemes of the blade study."""
-        blade = get_study("blade")
-        assert isinstance(blade, ContestStudy)
-        return blade.scheme_table()
+        return _find_blade().scheme_table()
 
     def engine(self, config: MatingConfig) -> Engine:
         """Return the study's only engine."""
         from owtsweep.studies.mating.engine import MatingEngine
 
-        return MatingEngine()
+        return MatingEngine(_find_blade())

@@ -51,28 +51,23 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
         (len(schemes) + 1) * (len(rows) * CELL[1] + 0.35) + AROUND[1],
     )
     panels = figure.subplots(len(schemes) + 1, len(PANELS), squeeze=False)
-    for number, name in enumerate(["truth", *schemes]):
-        for place, measure in enumerate(PANELS):
-            axes = panels[number][place]
-            if number == 0 and place > 0:
-                axes.set_axis_off()
-                continue
-            chosen = summary[
-                (summary["scheme"] == (schemes[0] if number == 0 else name))
-                & (summary["measure"] == ("chance" if number == 0 else measure))
-            ]
-            table = chosen.pivot(index=config.axes[1], columns=config.axes[0], values="mean")
-            shares = table.reindex(index=rows, columns=columns).to_numpy()
-            _fill(axes, shares, "Greens" if measure == "told" else "Reds")
-            axes.set_xticks(range(len(columns)), [show_value(value) for value in columns])
-            axes.set_yticks(range(len(rows)), [show_value(value) for value in rows])
-            axes.tick_params(
-                length=0.0,
-                labelbottom=number == len(schemes) or number == 0,
-                labelleft=place == 0,
-            )
-            axes.set_title("chances" if number == 0 else PANELS[measure], fontsize=8)
-        panels[number][0].set_ylabel(name)
+    for (row, column), axes in np.ndenumerate(panels):
+        if row == 0 and column > 0:
+            axes.set_axis_off()
+            continue
+        measure = [*PANELS][column] if row > 0 else "chance"
+        of_scheme = summary["scheme"] == schemes[max(row - 1, 0)]  # all have the same truth
+        chosen = summary[of_scheme & (summary["measure"] == measure)]
+        table = chosen.pivot(index=config.axes[1], columns=config.axes[0], values="mean")
+        shares = table.reindex(index=rows, columns=columns).to_numpy()
+        _fill(axes, shares, "Greens" if measure in ("chance", "told") else "Reds")
+        axes.set_xticks(range(len(columns)), [show_value(value) for value in columns])
+        axes.set_yticks(range(len(rows)), [show_value(value) for value in rows])
+        last = row in (0, len(schemes))
+        axes.tick_params(length=0.0, labelbottom=last, labelleft=column == 0)
+        axes.set_title(PANELS.get(measure, "chances"), fontsize=8)
+        if column == 0:
+            axes.set_ylabel(["truth", *schemes][row])
     figure.suptitle(
         "Chances to mate: shares of moments from which root and hub stay together for "
         f"{describe_hold(config)}, %",

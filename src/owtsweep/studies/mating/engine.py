@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import pandas as pd
 
 from owtsweep.config import as_mapping
 from owtsweep.config.records import Records
 from owtsweep.figures.drawings import Drawing
-from owtsweep.results.status import FAILED, UNABLE
-from owtsweep.studies.base.blocks import Planned, PlanPart, plan_blocks
+from owtsweep.results.status import UNABLE
+from owtsweep.studies.base.blocks import Planned, PlanPart, explain, plan_blocks
 from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.costs import predict
+from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.base.engine import ContestEngine
 from owtsweep.studies.base.rows import Judgement, make_rows
-from owtsweep.studies.base.study import DeclaredStudy
+from owtsweep.studies.base.study import ContestStudy
 from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import (
@@ -26,7 +27,6 @@ from owtsweep.studies.mating.joining import (
     find_true_motion,
 )
 from owtsweep.studies.mating.measures import Limits, compare
-from owtsweep.studies.registry import get_study
 from owtsweep.sweep.study import Block
 
 #: Most records of a block.
@@ -39,31 +39,21 @@ NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "c
 
 
 class MatingEngine(ContestEngine["MatingConfig"]):
-    """The engine of the mating study."""
+    """The engine of the mating study, given the blade study, whose schemes and costs it has."""
 
-    def __init__(self) -> None:
-        super().__init__(CONTEST)
+    def __init__(self, blade: ContestStudy) -> None:
+        costs = blade.contest().costs
+        assert costs is not None  # the blade study has measured them
+        super().__init__(replace(CONTEST, costs=costs._replace(record=RECORD)))
+        self.blade = blade
 
     def rank(self, config: MatingConfig) -> Sequence[str]:
-        blade = get_study("blade")
-        assert isinstance(blade, DeclaredStudy)
-        return [*blade.declaration().schemes.rank(config)]
+        return [*self.blade.scheme_table().rank(config)]
 
     def plan(self, config: MatingConfig, part: PlanPart | None = None) -> list[Block]:
         schemes = [Planned(name) for name in config.schemes]
         content = _describe_content(config)
         return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, CONTEST.names, part)
-
-    def predict(
-        self, config: MatingConfig, blocks: Sequence[Block], workers: int
-    ) -> tuple[float, float] | None:
-        """Return computing time (s) and memory (bytes) of blocks: those of the blade's schemes."""
-        blade = get_study("blade")
-        assert isinstance(blade, DeclaredStudy)
-        costs = blade.contest().costs
-        if costs is None:
-            return None
-        return predict(costs._replace(record=RECORD), blocks, config.record.steps, workers)
 
     def run(
         self, config: MatingConfig, blocks: Sequence[Block]
@@ -81,15 +71,14 @@ class MatingEngine(ContestEngine["MatingConfig"]):
             of_blade, of_hub = estimate(blade, replicate), estimate(hub, replicate)
             true = find_true_motion(of_blade, of_hub)
             for scheme in schemes:
-                reason = of_blade.failures.get(scheme)
-                if reason is not None:
-                    judged[scheme].append(Judgement(None, UNABLE, reason))
+                if scheme in of_blade.failures:
+                    judged[scheme].append(Judgement(None, UNABLE, of_blade.failures[scheme]))
                     continue
                 estimated = find_estimated_motion(of_blade, scheme, of_hub, config.hub_scheme)
                 try:
                     found = compare(true, estimated, limits, config.record.settled)
-                except ValueError as error:
-                    judged[scheme].append(Judgement(None, FAILED, str(error)))
+                except NotFinite as error:
+                    judged[scheme].append(explain(error))
                     continue
                 if of_blade.latencies[scheme] > 0.0:
                     found[WAIT] = of_blade.latencies[scheme]

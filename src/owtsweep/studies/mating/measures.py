@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
+from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.mating.joining import Relative
 
 #: Criteria of the maps.
@@ -43,25 +44,20 @@ def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -
     """Compare a relative motion with the true one; return measure -> value.
 
     A measure that no number can be given for, such as missed chances without a chance, is left out.
-    Raise `ValueError` if an estimate is not finite.
+    Raise `NotFinite` if an estimate is not finite.
     """
     error = (estimated.position - true.position)[settled:]
     speed = (estimated.velocity - true.velocity)[settled:]
     if not (np.isfinite(error).all() and np.isfinite(speed).all()):
-        raise ValueError("the estimate is not finite")
+        raise NotFinite("the estimate is not finite")
     can, said = (
         find_chances(motion.position[settled:], motion.velocity[settled:], limits)
         for motion in (true, estimated)
     )
-    chances = compare_chances(can, said)
     found = {
         "relative": compute_rms_length(error),
         "speed": compute_rms_length(speed),
-        "wrong": chances.wrong,
-        "chance": chances.true,
-        "told": chances.estimated,
-        "missed": chances.missed,
-        "false": chances.false,
+        **compare_chances(can, said),
     }
     if estimated.covariance is not None:
         found["nees"] = average_nees(error, estimated.covariance[settled:])
@@ -77,22 +73,6 @@ class Limits(NamedTuple):
     distance: float
     speed: float
     hold: int
-
-
-class Chances(NamedTuple):
-    """Shares of the moments of a record.
-
-    true, estimated: At which the bodies can be joined, and at which the estimates say so.
-    wrong: At which the estimates are wrong about it, in either way.
-    missed: Of the true chances, the share that estimates do not tell; NaN without a chance.
-    false: Of the estimated chances, the share that is none; NaN if there is none.
-    """
-
-    true: float
-    estimated: float
-    wrong: float
-    missed: float
-    false: float
 
 
 def find_chances(apart: Array, velocity: Array, limits: Limits) -> NDArray[np.bool_]:
@@ -111,14 +91,16 @@ def find_chances(apart: Array, velocity: Array, limits: Limits) -> NDArray[np.bo
     return np.asarray(count[limits.hold :] - count[: -limits.hold] == limits.hold)
 
 
-def compare_chances(true: NDArray[np.bool_], estimated: NDArray[np.bool_]) -> Chances:
-    """Compare the moments at which a mating may begin with those of which estimates say so."""
-    both = float(np.mean(true & estimated))
-    is_true, is_estimated = float(np.mean(true)), float(np.mean(estimated))
-    return Chances(
-        true=is_true,
-        estimated=is_estimated,
-        wrong=float(np.mean(true != estimated)),
-        missed=1.0 - both / is_true if is_true > 0.0 else float("nan"),
-        false=1.0 - both / is_estimated if is_estimated > 0.0 else float("nan"),
-    )
+def compare_chances(can: NDArray[np.bool_], said: NDArray[np.bool_]) -> dict[str, float]:
+    """Compare the moments at which a mating may begin with those of which estimates say so.
+
+    Return measure -> share; NaN for `missed` without a chance, and for `false` if none is told.
+    """
+    both, chance, told = (float(np.mean(part)) for part in (can & said, can, said))
+    return {
+        "wrong": float(np.mean(can != said)),
+        "chance": chance,
+        "told": told,
+        "missed": 1.0 - both / chance if chance > 0.0 else float("nan"),
+        "false": 1.0 - both / told if told > 0.0 else float("nan"),
+    }
