@@ -19,7 +19,7 @@ from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
 from owtsweep.studies.blade.measures import Judged, compare
-from owtsweep.studies.blade.measuring import find_last_outage
+from owtsweep.studies.blade.measuring import find_outages
 from owtsweep.studies.blade.schemes import SCHEMES
 
 OUTAGES = (0.0, 10.0, 40.0)  # s
@@ -43,13 +43,14 @@ def move_hook(case, moved):
     truth, step = case.truth, case.truth.step
     velocity = np.gradient(moved, step, axis=0, edge_order=2)
     pull = np.gradient(velocity, step, axis=0, edge_order=2)
-    (position, speed), rotation = case.start
+    (position, speed), rotation = case.start.pose
     by = {"root": moved, "unit": moved, "root_velocity": velocity, "unit_velocity": velocity}
     shifted = replace(truth, **{name: getattr(truth, name) + shift for name, shift in by.items()})
     force = case.measured.specific_force + np.einsum("nji,nj->ni", truth.rotation, pull)
     fixes = case.measured.fixes + moved[:, None]
     measured = replace(case.measured, fixes=fixes, specific_force=force)
-    start = np.stack([position + moved[0], speed + velocity[0]]), rotation
+    pose = np.stack([position + moved[0], speed + velocity[0]]), rotation
+    start = case.start._replace(pose=pose)
     return case._replace(truth=shifted, measured=measured, start=start)
 
 
@@ -77,7 +78,7 @@ def judge(config, changes, schemes, records):
     for cell in CONTEST.list_cells(config):
         worlds = [make_world(config, cell, number) for number in range(records)]
         cases = [observe(config, cell, world) for world in worlds]
-        window = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
+        window = Judged(config.record.settled, find_outages(config, cell["outage"], last=True))
         for name, (change, told) in changes.items():
             changed = [change(case) for case in cases]
             for scheme in SCHEMES.resolve_all(schemes):

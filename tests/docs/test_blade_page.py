@@ -12,7 +12,7 @@ import pytest
 from hanging import make, run
 
 from owtsweep.studies.blade.cases import Case
-from owtsweep.studies.blade.contract import Setting
+from owtsweep.studies.blade.contract import Setting, Start
 from owtsweep.studies.blade.doubts import EARTH_RATE
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.schemes.mekf import Navigator
@@ -135,7 +135,8 @@ def test_chances_with_either_scheme_on_the_hub() -> None:
 
 def _take(*words: str) -> tuple[Case, Setting]:
     _, motion, measured, setting = make("unit=tactical", "schemes=[MEKF]", *words)
-    case = Case(motion.truth, measured, setting.start, setting.start_sigma, setting.geometry)
+    start = Start(setting.start, setting.start_sigma, setting.geometry)
+    case = Case(motion.truth, measured, start)
     return case, setting
 
 
@@ -148,7 +149,7 @@ def test_the_script_moves_hook_and_sensors_together() -> None:
     moved = script["move_hook"](case, np.column_stack([0.0 * time, sway, 0.2 * time]))
     for name, most, least in (("MEKF", 1e-3, 0.0), ("PENDULUM", np.inf, 0.05)):
         before = run(name, setting, case.measured).root - case.truth.root
-        told = script["replace"](setting, start=moved.start)
+        told = script["replace"](setting, start=moved.start.pose)
         after = run(name, told, moved.measured).root - moved.truth.root
         assert least <= np.abs(after - before)[1000:].max() <= most
 

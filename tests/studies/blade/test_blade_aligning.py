@@ -41,7 +41,7 @@ def _record(files: int, **known: object) -> tuple[Recorded, Array, Array]:
     ],
 )
 def test_position_velocity_and_attitude_come_out(files: int, known: dict[str, object]) -> None:
-    (point, rotation), sigma = align(*_record(files, **known), STEP)
+    (point, rotation), sigma, _ = align(*_record(files, **known), STEP)
     np.testing.assert_allclose(rotation, ATTITUDE, atol=1e-9)
     np.testing.assert_allclose(point, [POSITION, VELOCITY], atol=1e-9)
     assert np.all(sigma > 0.0)
@@ -50,5 +50,5 @@ def test_position_velocity_and_attitude_come_out(files: int, known: dict[str, ob
 def test_a_wrong_height_of_an_antenna_does_not_tilt_the_blade() -> None:
     recorded, force, fixes = _record(2)
     fixes[:, 1, 2] += 0.5
-    (_, rotation), _ = align(recorded, force, fixes, STEP)
+    (_, rotation), *_ = align(recorded, force, fixes, STEP)
     np.testing.assert_allclose(rotation[2], ATTITUDE[2], atol=1e-9)

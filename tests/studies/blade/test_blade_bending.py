@@ -52,7 +52,7 @@ def test_weight_bends_by_its_part_across_the_blade() -> None:
 def test_the_mode_has_its_size_and_period() -> None:
     words = ("motion.bending.vibration=0.01", "motion.bending.period=1.25")
     rigid, bent = make()[1], make(*words)[1]
-    samples = bent.bending.deflection(0.02 * np.arange(5000))
+    samples = bent.bending(0.02 * np.arange(5000))
     assert np.all(samples[:, 0] == 0.0)
     assert samples[:, 1].std() == pytest.approx(0.01, rel=0.3)
     spectrum = np.abs(np.fft.rfft(samples[:, 1])) ** 2

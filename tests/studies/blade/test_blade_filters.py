@@ -154,12 +154,12 @@ def test_who_knows_the_hook_does_not_drift_away() -> None:
 
 def test_the_swing_begins_under_the_hook_and_keeps_its_size() -> None:
     """Turned as at the start, the point under the hook is the centre of gravity of the truth."""
-    _, motion, _, setting = make(*QUIET)
-    size = ERRORS + 9
-    s, P = np.zeros(size + 1), np.zeros((size, size))
-    transitions, noises = describe_swing(setting, s, P, ERRORS)
+    _, motion, measured, setting = make(*QUIET)
+    states, covariances, _ = Navigator(setting, swing=True).filter(measured)
     first = motion.truth.root[0] - motion.truth.rotation[0] @ ROOT
-    assert s[ERRORS + 7 : ERRORS + 10] == pytest.approx(first, abs=1e-4)
+    assert states[0, ERRORS + 7 :] == pytest.approx(first, abs=1e-4)
+    transitions, noises, sizes = describe_swing(setting)
+    assert np.all(np.diagonal(covariances[0])[ERRORS:] <= np.square(sizes))
     for F, Q, period, sigma in zip(
         transitions, noises, setting.swing_period, setting.swing_sigma, strict=True
     ):

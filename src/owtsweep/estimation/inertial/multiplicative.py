@@ -6,10 +6,10 @@ Attitude error representations for Kalman filtering). Behind them may stand furt
 - the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau, so a delay of
   fixes is the same state;
 - by what the first antenna stands elsewhere on the body than assumed, three lengths;
-- how the hook lets the body swing: the point on which the hook acts is at c + m, where m is an
-  oscillator driven by white noise in each direction, and c wanders slowly. At each due time of a
-  fix, lost or not, the filter takes as a measurement that this place and that of the inertial unit
-  agree.
+- how the hook lets the body swing, nine states, m, its velocity, and c: the point on which the hook
+  acts is at c + m, where m is an oscillator driven by white noise in each direction, and c wanders
+  slowly. At each due time of a fix, lost or not, the filter takes as a measurement that this place
+  and that of the inertial unit agree.
 """
 
 from __future__ import annotations
@@ -28,9 +28,6 @@ from owtsweep.estimation.inertial.strapdown import (
     predict,
 )
 from owtsweep.gravity import GRAVITY
-
-#: Number of states of the swing: m, its velocity, and c, three each.
-SWING = 9
 
 
 @njit

@@ -35,6 +35,12 @@ class Tune(Section):
     )
 
 
+def key_of_vector(meaning: str, unit: str = "", **facts: Any) -> Any:
+    """Declare a key that holds three numbers, along the axes x, y and z."""
+    form = f"three numbers, those of x, y and z{f' in {unit}' if unit else ''}"
+    return key(meaning, unit=unit, form=form, min_length=3, max_length=3, **facts)
+
+
 def key_of_tune() -> Any:
     """Declare the section `tune`."""
     return key("settings of the command `tune`", default=Tune())

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.studies.blade.contract import Start
 from owtsweep.studies.blade.recorded import Recorded
 
 #: Seconds whose fixes give the velocity at the start.
@@ -20,17 +21,16 @@ STRAIGHT = 1.0
 STEEPEST = 0.9
 
 
-def align(
-    recorded: Recorded, force: Array, fixes: Array, step: float
-) -> tuple[tuple[Array, Array], Array]:
-    """Return the start, and its standard deviations, as of `contract.Setting`.
+def align(recorded: Recorded, force: Array, fixes: Array, step: float) -> Start:
+    """Return how a recorded lift begins.
 
     `force` is the specific force in the blade's axes, m/s^2, shape (steps, 3). `fixes` are
     positions of antennas in the frame, m, shape (steps, k, 3); NaN where none is, but for the first
     antenna at the first sample. Raise `InputError` if the heading is unknown.
     """
     rotation = find_attitude(recorded, force, fixes, step)
-    lever = recorded.geometry.levers[0]
+    geometry = recorded.geometry
+    lever = geometry.levers[0]
     first = fixes[: round(STRAIGHT / step) + 1, 0]
     there = np.flatnonzero(np.isfinite(first[:, 0]))
     velocity = np.zeros(3)
@@ -39,7 +39,8 @@ def align(
     tilt, heading = np.deg2rad([recorded.tilt_sigma, recorded.heading_sigma])
     reach = float(np.linalg.norm(lever))
     sigma = np.array([0.01 + reach * max(tilt, heading), recorded.velocity_sigma, tilt, heading])
-    return (np.stack([fixes[0, 0] - rotation @ lever, velocity]), rotation), sigma
+    place = fixes[0, 0] - rotation @ lever
+    return Start((np.stack([place, velocity]), rotation), sigma, geometry)
 
 
 def find_attitude(recorded: Recorded, force: Array, fixes: Array, step: float) -> Array:

@@ -8,8 +8,6 @@ and seen from another point of the blade a parabola is the same parabola.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -26,34 +24,27 @@ CLAMP = float(UNIT[0])
 REACH = float(PRISMS[2, 0]) - CLAMP
 
 
-@dataclass(frozen=True)
-class Bending:
-    """The bending of a record.
+def shift(bending: CubicSpline, points: Array, times: Array) -> Array:
+    """Return by what points of the body (k, 3) are off the rigid blade, m, shape (n, k, 3).
 
-    `deflection` gives, at times in s, shifts of the blade at the third prism across the blade,
-    along y and z of the body, m, shape (n, 2).
+    In the body's frame. Cross-sections stay plane and turn with the slope of the blade, so a point
+    beside the middle line moves along the blade, too. `bending` is as of `make_bending`.
     """
-
-    deflection: CubicSpline
-
-    def shift(self, points: Array, times: Array) -> Array:
-        """Return by what points of the body (k, 3) are off the rigid blade, m, shape (n, k, 3).
-
-        In the body's frame. Cross-sections stay plane and turn with the slope of the blade, so a
-        point beside the middle line moves along the blade, too.
-        """
-        out = np.maximum(points[:, 0] - CLAMP, 0.0) / REACH
-        bent = self.deflection(times)[:, None, :]
-        shifted = np.empty((len(bent), *points.shape))
-        shifted[..., 1:] = out[:, None] ** 2 * bent
-        shifted[..., 0] = -2.0 / REACH * out * np.sum(points[:, 1:] * bent, axis=2)
-        return shifted
+    out = np.maximum(points[:, 0] - CLAMP, 0.0) / REACH
+    bent = bending(times)[:, None, :]
+    shifted = np.empty((len(bent), *points.shape))
+    shifted[..., 1:] = out[:, None] ** 2 * bent
+    shifted[..., 0] = -2.0 / REACH * out * np.sum(points[:, 1:] * bent, axis=2)
+    return shifted
 
 
 def make_bending(
     config: BladeConfig, draws: Streams, series: Series, steps: int, lead: int
-) -> Bending | None:
+) -> CubicSpline | None:
     """Return the bending of a record whose rigid motion is `series`; None if nothing bends.
+
+    It gives, at times in s, shifts of the blade at the third prism across the blade, along y and z
+    of the body, m, shape (n, 2).
 
     The blade sags as the specific force at its centre of gravity pulls it, at once: its mode is
     faster than the hook's swing. The vibration has a stream of its own.
@@ -68,4 +59,4 @@ def make_bending(
     density = respond(frequency, bending.period, bending.damping)
     lines = draw_lines(density, draws("bending"))
     deflection[:, 1] += bending.vibration * sample(lines, steps, step, lead).position[:, 0]
-    return Bending(CubicSpline(step * np.arange(-lead, steps), deflection))
+    return CubicSpline(step * np.arange(-lead, steps), deflection)

@@ -12,7 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
-from owtsweep.studies.blade.contract import PLAN, Geometry, Measured, Setting, Truth
+from owtsweep.studies.blade.contract import Measured, Setting, Start, Truth
 from owtsweep.studies.blade.measuring import WALK_TIME, find_outages, measure
 from owtsweep.studies.blade.recorded_case import Lift, find_reference, load_lift
 from owtsweep.studies.blade.truth import Motion, choose_freedoms, make_truth
@@ -25,29 +25,23 @@ LEAST = 1e-6
 class Case(NamedTuple):
     """One record of a cell.
 
-    `truth`: the motion; of a recorded lift the estimates of the smoother with all fixes. `start`,
-    `start_sigma`, `geometry`: as of `contract.Setting`. `withheld`: fixes of the first antenna that
-    a record has and `measured` has not, m, shape (steps, 3), NaN at other samples; None if the lift
-    is simulated.
+    `truth`: the motion; of a recorded lift the estimates of the smoother with all fixes.
+    `withheld`: fixes of the first antenna that a record has and `measured` has not, m, shape
+    (steps, 3), NaN at other samples; None if the lift is simulated.
     """
 
     truth: Truth
     measured: Measured
-    start: tuple[Array, Array]
-    start_sigma: Array
-    geometry: Geometry
+    start: Start
     withheld: Array | None = None
 
     def tell(self, config: BladeConfig, cell: Cell) -> Setting:
         """Return what schemes know of the case, by the tuning of a configuration."""
-        return make_setting(config, cell, self.start, self.start_sigma, self.geometry)
+        return make_setting(config, cell, self.start)
 
 
-class RecordedMotion(NamedTuple):
-    """The motion of a recorded lift, and the reference that stands for its truth."""
-
-    lift: Lift
-    reference: Truth
+#: A recorded lift, and the reference that stands for its truth.
+RecordedMotion = tuple[Lift, Truth]
 
 
 def make_world(config: BladeConfig, cell: Cell, replicate: int) -> Motion | RecordedMotion:
@@ -58,14 +52,13 @@ def make_world(config: BladeConfig, cell: Cell, replicate: int) -> Motion | Reco
     if config.recorded.imu is None:
         return make_truth(config, replicate, cell)
     lift = load_lift(config)
-    return RecordedMotion(lift, find_reference(lift, make_lift_setting(config, lift)))
+    return lift, find_reference(lift, make_lift_setting(config, lift))
 
 
 def observe(config: BladeConfig, cell: Cell, world: Motion | RecordedMotion) -> Case:
     """Return the record of a cell; fixes of a recorded lift are withheld in outages."""
     if isinstance(world, Motion):
-        measured, start = measure(config, world, cell), draw_start(config, world)
-        return Case(world.truth, measured, start, find_start_sigma(config), PLAN)
+        return Case(world.truth, measure(config, world, cell), draw_start(config, world))
     lift, reference = world
     hidden = find_outages(config, cell["outage"])[:, None, None]
     fixes = lift.measured.fixes
@@ -73,25 +66,17 @@ def observe(config: BladeConfig, cell: Cell, world: Motion | RecordedMotion) -> 
         reference,
         replace(lift.measured, fixes=np.where(hidden, np.nan, fixes)),
         lift.start,
-        lift.start_sigma,
-        config.recorded.geometry,
         np.where(hidden, fixes, np.nan)[:, 0],
     )
 
 
-def make_setting(
-    config: BladeConfig,
-    cell: Cell,
-    start: tuple[Array, Array],
-    start_sigma: Array,
-    geometry: Geometry = PLAN,
-) -> Setting:
-    """Return what schemes know of a case that begins at `start`, by the section `filters`."""
+def make_setting(config: BladeConfig, cell: Cell, start: Start) -> Setting:
+    """Return what schemes know of a case with a start, by the section `filters`."""
     tuning, sensors = config.filters, config.sensors
     receiver = sensors.receiver
-    priors = tuning if tuning.noise == "declared" else config.unit
     vertical = np.array([1.0, 1.0, sensors.vertical])
     declared = tuning.noise == "declared"
+    priors = tuning if declared else config.unit
     fix_sigma = np.array(tuning.fix_sigma) if declared else cell["sigma"] * vertical
     freedoms = list(choose_freedoms(config, cell).values())[:3]
     walk = 1.0 / np.sqrt(WALK_TIME)
@@ -106,43 +91,34 @@ def make_setting(
         rate_bias=max(np.deg2rad(priors.rate_bias), LEAST * rate_sigma),
         force_walk=walk * priors.force_walk,
         rate_walk=walk * np.deg2rad(priors.rate_walk),
-        start=start,
-        start_sigma=start_sigma,
+        start=start.pose,
+        start_sigma=start.sigma,
         offset_sigma=tuning.offset_sigma,
         lever_sigma=tuning.lever_sigma,
-        swing_sigma=np.array([sigma for _, _, sigma, _ in freedoms]),
-        swing_period=np.array([period for period, _, _, _ in freedoms]),
-        swing_damping=np.array([damping for _, damping, _, _ in freedoms]),
-        gust_sigma=np.array([gust for _, _, _, gust in freedoms]),
+        swing_sigma=np.array([each.sigma for each in freedoms]),
+        swing_period=np.array([each.period for each in freedoms]),
+        swing_damping=np.array([each.damping for each in freedoms]),
+        gust_sigma=np.array([each.gust for each in freedoms]),
         gust_time=config.motion.gust_time,
         tuning=tuning,
-        geometry=geometry,
+        geometry=start.geometry,
     )
 
 
 def make_lift_setting(config: BladeConfig, lift: Lift) -> Setting:
     """Return what schemes know of a recorded lift, at the grid's first cell."""
-    cell = CONTEST.list_cells(config)[0]
-    return make_setting(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
+    return make_setting(config, CONTEST.list_cells(config)[0], lift.start)
 
 
-def find_start_sigma(config: BladeConfig) -> Array:
-    """Return errors of the start: position (m), velocity (m/s), tilt and heading (rad)."""
-    sensors, unit = config.sensors, config.unit
-    tilt, heading = np.deg2rad([unit.tilt, unit.heading])
-    return np.array([sensors.start_position, sensors.start_velocity, tilt, heading])
-
-
-def draw_start(config: BladeConfig, motion: Motion) -> tuple[Array, Array]:
-    """Draw the given position and velocity (2, 3) and attitude (3, 3) of a record's first sample.
+def draw_start(config: BladeConfig, motion: Motion) -> Start:
+    """Draw the given start of a record.
 
     The error of the attitude turns the body: about x and y by the tilt's, about z by the heading's.
     """
     draw = config.draws(motion.replicate)("start").standard_normal((3, 3))
-    position, velocity, tilt, heading = find_start_sigma(config)
-    truth = motion.truth
-    given = np.stack([
-        truth.unit[0] + position * draw[0], truth.unit_velocity[0] + velocity * draw[1]
-    ])  # fmt: skip
+    truth, sensors, unit = motion.truth, config.sensors, config.unit
+    tilt, heading = np.deg2rad([unit.tilt, unit.heading])
+    sigma = np.array([sensors.start_position, sensors.start_velocity, tilt, heading])
+    given = np.stack([truth.unit[0], truth.unit_velocity[0]]) + sigma[:2, None] * draw[:2]
     turn = Rotation.from_rotvec(np.array([tilt, tilt, heading]) * draw[2]).as_matrix()
-    return given, truth.rotation[0] @ turn
+    return Start((given, truth.rotation[0] @ turn), sigma)

@@ -81,11 +81,12 @@ def _check_motion(config: BladeConfig) -> None:
         natural = freedom.period
         if name in ("heading", "pitch"):
             stiffness = getattr(motion.tugger, name)
-            natural, damping, *_ = hold(freedom, stiffness, motion.tugger.damping)
+            held = hold(freedom, stiffness, motion.tugger.damping)
+            natural = held.period
             require(
-                damping < 1.0,
+                held.damping < 1.0,
                 f"motion.tugger.damping: {motion.tugger.damping:g} gives {name} a damping ratio of "
-                f"{damping:.3g}; give less, so that it is below 1",
+                f"{held.damping:.3g}; give less, so that it is below 1",
             )
         period = min([natural, *((grid.period or []) if name == "u" else [])])
         require(

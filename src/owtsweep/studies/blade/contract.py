@@ -58,6 +58,18 @@ class Geometry(NamedTuple):
 PLAN = Geometry(ROOT, UNIT, ANTENNAS)
 
 
+class Start(NamedTuple):
+    """How a record begins, as it is given to schemes, and where sensors are on its blade.
+
+    pose: Position and velocity of the unit, shape (2, 3), m and m/s, and its attitude, (3, 3).
+    sigma: Standard deviations of position (m), velocity (m/s), tilt and heading (rad).
+    """
+
+    pose: tuple[Array, Array]
+    sigma: Array
+    geometry: Geometry = PLAN
+
+
 class BoomMotion(NamedTuple):
     """Displacement (m) and acceleration (m/s^2) of the boom's tip, (n, 3), at a rate in Hz."""
 

@@ -89,28 +89,18 @@ def find_due(config: BladeConfig) -> NDArray[np.bool_]:
     return np.asarray(np.arange(config.record.steps) % every == 0)
 
 
-def find_outages(config: BladeConfig, length: float) -> NDArray[np.bool_]:
+def find_outages(config: BladeConfig, length: float, *, last: bool = False) -> NDArray[np.bool_]:
     """Return which samples fall into an outage of GNSS, shape (steps,).
 
     Outages end at multiples of `sensors.outage_every` after the settling, the last one in time for
-    the end of the record, in which the blade mates.
+    the end of the record, in which the blade mates. With `last`, the samples are those that are
+    judged by the worst error: of the last outage, or, without outages, as many as come between two.
     """
     record, every = config.record, config.sensors.outage_every
-    before_end = (record.steps - 1 - np.arange(record.steps)) / record.rate
-    settled = np.arange(record.steps) >= record.settled
-    return np.asarray(settled & (before_end % every < length))
-
-
-def find_last_outage(config: BladeConfig, length: float) -> NDArray[np.bool_]:
-    """Return the samples of the last outage, which are judged by the worst error, shape (steps,).
-
-    Without an outage, they are as many as come between two.
-    """
-    record = config.record
-    before_end = (record.steps - 1 - np.arange(record.steps)) / record.rate
-    judged = length if length > 0.0 else config.sensors.outage_every
-    settled = np.arange(record.steps) >= record.settled
-    return np.asarray(settled & (before_end < judged))
+    sample = np.arange(record.steps)
+    before_end = (record.steps - 1 - sample) / record.rate
+    out = before_end < (length or every) if last else before_end % every < length
+    return np.asarray((sample >= record.settled) & out)
 
 
 def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: float) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import NotNegative, Positive, Section, key
 from owtsweep.errors import require
+from owtsweep.studies.base.keys import key_of_vector
 from owtsweep.studies.blade.contract import ANTENNAS, ROOT, UNIT, Geometry
 
 #: By how much a matrix may differ from a rotation, and a quaternion's norm from 1.
@@ -36,14 +37,8 @@ class Recorded(Section):
     shift: float = key(
         "what is added to times of GNSS to get those of the inertial unit", unit="s", default=0.0
     )
-    unit: list[float] = key(
-        "where the inertial unit is", unit="m", default=UNIT.tolist(), min_length=3, max_length=3,
-        form="three numbers, those of x, y and z in m",
-    )  # fmt: skip
-    root: list[float] = key(
-        "where the root is", unit="m", default=ROOT.tolist(), min_length=3, max_length=3,
-        form="three numbers, those of x, y and z in m",
-    )  # fmt: skip
+    unit: list[float] = key_of_vector("where the inertial unit is", "m", default=UNIT.tolist())
+    root: list[float] = key_of_vector("where the root is", "m", default=ROOT.tolist())
     antennas: list[list[float]] = key(
         "where antennas are, in the order of `gnss`", unit="m", default=ANTENNAS.tolist()
     )

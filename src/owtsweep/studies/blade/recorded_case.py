@@ -26,7 +26,7 @@ from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
 from owtsweep.motion.recorded.signals import read_fixes
 from owtsweep.studies.blade.aligning import align
 from owtsweep.studies.blade.config import BladeConfig
-from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Setting, Truth
+from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Setting, Start, Truth
 from owtsweep.studies.blade.recorded import REFERENCE
 from owtsweep.studies.blade.schemes import SCHEMES
 
@@ -56,11 +56,10 @@ class Fixes(NamedTuple):
 
 
 class Lift(NamedTuple):
-    """A recorded lift with all its fixes, and how it begins (as of `contract.Setting`)."""
+    """A recorded lift with all its fixes, and how it begins."""
 
     measured: Measured
-    start: tuple[Array, Array]
-    start_sigma: Array
+    start: Start
     inertial: Signals
 
 
@@ -108,8 +107,7 @@ def load_lift(config: BladeConfig) -> Lift:
         prism_times=np.empty(0),
         prisms=np.empty((0, 3, 3)),
     )
-    start, sigma = align(recorded, force, fixes, 1.0 / rate)
-    return Lift(measured, start, sigma, inertial)
+    return Lift(measured, align(recorded, force, fixes, 1.0 / rate), inertial)
 
 
 def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:

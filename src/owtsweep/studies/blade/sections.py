@@ -6,7 +6,7 @@ from typing import Annotated
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.config.records import Records
-from owtsweep.studies.base.keys import Mode, only_freedoms
+from owtsweep.studies.base.keys import Mode, key_of_vector, only_freedoms
 from owtsweep.studies.blade.contract import DOF
 
 
@@ -88,10 +88,9 @@ class Motion(Section):
 class BoomMode(Mode):
     """One mode of the boom: the tip moves to and fro along a line."""
 
-    sigma: list[float] = key(
-        "standard deviation of the tip along x, y and z; signs say along which line", unit="m",
-        min_length=3, max_length=3, form="three numbers, those of x, y and z in m",
-    )  # fmt: skip
+    sigma: list[float] = key_of_vector(
+        "standard deviation of the tip along x, y and z; signs say along which line", "m"
+    )
 
 
 #: The modes of the boom unless others are given: sizes are like those of Fig. 13.
@@ -109,11 +108,10 @@ class Boom(Section):
         "name: period (s), damping and sigma (m, along x, y and z) of a mode of the boom",
         default=BOOM_MODES,
     )
-    follow: list[NotNegative] = key(
+    follow: list[NotNegative] = key_of_vector(
         "by what part the tip follows the blade's centre of gravity, along x, y and z",
-        default=[0.01, 0.02, 0.3], min_length=3, max_length=3,
-        form="three numbers, those of x, y and z",
-    )  # fmt: skip
+        default=[0.01, 0.02, 0.3],
+    )
     rate: Positive = key("rate of the accelerometers", unit="Hz", default=200.0)
     noise: NotNegative = key("white noise of their samples", unit="m/s^2", default=1.2e-4)
     bias: NotNegative = key("their bias", unit="m/s^2", default=0.05)

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from owtsweep.arrays import Array
+from owtsweep.config import changed
 from owtsweep.estimation.inertial.angles import (
     find_body_acceleration,
     find_body_rates,
@@ -22,17 +24,10 @@ from owtsweep.estimation.inertial.angles import (
     make_rotation,
 )
 from owtsweep.gravity import GRAVITY
-from owtsweep.motion.lines import (
-    Series,
-    draw_lines,
-    find_frequencies,
-    interpolate,
-    respond,
-    sample,
-)
+from owtsweep.motion.lines import Series, draw_lines, find_frequencies, interpolate, respond, sample
 from owtsweep.streams import Streams
 from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.blade.bending import Bending, make_bending
+from owtsweep.studies.blade.bending import make_bending, shift
 from owtsweep.studies.blade.boom import make_boom
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
@@ -40,6 +35,12 @@ from owtsweep.studies.blade.sections import Freedom
 
 #: Gusts end at this frequency, Hz.
 GUST_END = 0.2
+#: Axis of the grid -> the degree of freedom that it sets, and its key.
+SET_BY_AXES = {
+    "period": ("u", "period"),
+    "amplitude": ("u", "sigma"),
+    "heading": ("heading", "sigma"),
+}
 
 
 @dataclass(frozen=True)
@@ -48,14 +49,14 @@ class Motion:
 
     series: Translations of the centre of gravity (m) and angles (rad) in the order of `DOF`, with
         their derivatives and `lead` samples before the record.
-    bending: By what points are off the rigid blade; None: by nothing.
+    bending: As of `make_bending`.
     """
 
     truth: Truth
     series: Series
     lead: int
     replicate: int
-    bending: Bending | None = None
+    bending: CubicSpline | None = None
 
     def locate(self, points: Array, times: Array) -> Array:
         """Return where points of the body (k, 3) are at times in s, shape (n, k, 3)."""
@@ -63,7 +64,7 @@ class Motion:
         rotation = make_rotation(from_heading(place[:, 3:]))
         located = place[:, None, :3] + np.einsum("nij,kj->nki", rotation, points)
         if self.bending is not None:
-            located += np.einsum("nij,nkj->nki", rotation, self.bending.shift(points, times))
+            located += np.einsum("nij,nkj->nki", rotation, shift(self.bending, points, times))
         return np.asarray(located)
 
 
@@ -118,37 +119,27 @@ def _draw_lines(
     )
     lines = np.zeros((len(frequency), len(DOF)), dtype=complex)
     for column, (name, freedom) in enumerate(choose_freedoms(config, cell).items()):
-        period, damping, sigma, gust = freedom
-        swing = respond(frequency, period, damping)
-        for words, density, size in (("swing", swing, sigma), ("gust", gusts, gust)):
-            lines[:, column] += size * draw_lines(density, draws(f"{words}_{name}"))[:, 0]
+        swing = respond(frequency, freedom.period, freedom.damping)
+        lines[:, column] += freedom.sigma * draw_lines(swing, draws(f"swing_{name}"))[:, 0]
+        lines[:, column] += freedom.gust * draw_lines(gusts, draws(f"gust_{name}"))[:, 0]
     lines[:, 3:] *= np.pi / 180.0
     return lines
 
 
-def choose_freedoms(
-    config: BladeConfig, cell: Cell
-) -> dict[str, tuple[float, float, float, float]]:
-    """Return of each degree of freedom period, damping, size and gusts, as a cell has them."""
-    chosen = {}
-    for name in DOF:
-        freedom = config.motion.freedoms[name]
-        period, damping, sigma, gust = freedom.period, freedom.damping, freedom.sigma, freedom.gust
-        if name in ("heading", "pitch"):
-            tugger = config.motion.tugger
-            stiffness = getattr(tugger, name)
-            period, damping, sigma, gust = hold(freedom, stiffness, tugger.damping)
-        if name == "u":
-            period = cell.get("period") or period
-            sigma = cell.get("amplitude") or sigma
-        elif name == "heading":
-            sigma = cell.get("heading") or sigma
-        chosen[name] = (period, damping, sigma, gust)
+def choose_freedoms(config: BladeConfig, cell: Cell) -> dict[str, Freedom]:
+    """Return all degrees of freedom in the order of `DOF`, as tugger lines and a cell have them."""
+    tugger = config.motion.tugger
+    chosen = {name: config.motion.freedoms[name] for name in DOF}
+    for name in ("heading", "pitch"):
+        chosen[name] = hold(chosen[name], getattr(tugger, name), tugger.damping)
+    for axis, (name, key) in SET_BY_AXES.items():
+        if axis in cell:
+            chosen[name] = changed(chosen[name], **{key: cell[axis]})
     return chosen
 
 
-def hold(freedom: Freedom, stiffness: float, damping: float) -> tuple[float, float, float, float]:
-    """Return period, damping ratio, size and gusts of a freedom that tugger lines hold.
+def hold(freedom: Freedom, stiffness: float, damping: float) -> Freedom:
+    """Return a freedom that tugger lines hold.
 
     These are ropes with winches that hold the heading and the pitch of a hanging blade, a spring
     and a damper beside those of the hook; the wind pushes as before. Then the natural frequency is
@@ -158,9 +149,10 @@ def hold(freedom: Freedom, stiffness: float, damping: float) -> tuple[float, flo
     that the lines would add without their stiffness.
     """
     stiffer, damper = 1.0 + stiffness, 1.0 + damping / freedom.damping
-    return (
-        freedom.period / math.sqrt(stiffer),
-        freedom.damping * damper / math.sqrt(stiffer),
-        freedom.sigma / math.sqrt(damper * stiffer),
-        freedom.gust / stiffer,
+    return changed(
+        freedom,
+        period=freedom.period / math.sqrt(stiffer),
+        damping=freedom.damping * damper / math.sqrt(stiffer),
+        sigma=freedom.sigma / math.sqrt(damper * stiffer),
+        gust=freedom.gust / stiffer,
     )

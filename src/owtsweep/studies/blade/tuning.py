@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import NotNegative, Positive, Section, key
+from owtsweep.studies.base.keys import key_of_vector
 from owtsweep.studies.base.searching import Searched
 
 
@@ -18,10 +19,7 @@ class Tuning(Section):
     noise: Literal["declared", "truth"] = key(
         "where the noise of GNSS and inertial unit is from: the numbers below, or the sensors' own"
     )
-    fix_sigma: list[Positive] = key(
-        "declared noise of a fix, three numbers", unit="m", min_length=3, max_length=3,
-        form="three numbers, those of x, y and z in m",
-    )  # fmt: skip
+    fix_sigma: list[Positive] = key_of_vector("declared noise of a fix, three numbers", "m")
     force_sigma: Positive = key("declared noise of a sample of accelerometers", unit="m/s^2")
     force_bias: Positive = key("declared bias of accelerometers", unit="m/s^2")
     force_walk: NotNegative = key("declared change of that bias in 100 s", unit="m/s^2")

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.inertial.multiplicative import SWING, filter_fixes
+from owtsweep.estimation.inertial.multiplicative import filter_fixes
 from owtsweep.estimation.inertial.smoother import link, smooth_lag
 from owtsweep.estimation.inertial.strapdown import ERRORS
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
@@ -48,50 +48,40 @@ class Navigator:
     def filter(self, measured: Measured) -> Found:
         """Return states and covariances of all samples."""
         setting, geometry = self.setting, self.setting.geometry
-        more = self.offset + 3 * self.lever + SWING * self.swing
-        s, P = begin(setting, more)
-        offset, astray, at = -1, -1, -1
-        if self.offset:
-            offset = ERRORS
-            P[offset, offset] = setting.offset_sigma**2
-        if self.lever:
-            astray = ERRORS + self.offset
-            P[astray : astray + 3, astray : astray + 3] = setting.lever_sigma**2 * np.eye(3)
-        transition: Array = np.zeros((3, 2, 2))
-        shaking: Array = np.zeros((3, 3, 3))
+        further = [setting.offset_sigma] * self.offset + [setting.lever_sigma] * 3 * self.lever
+        at = ERRORS + len(further)
+        transition, shaking, sizes = describe_swing(setting)
+        s, P = begin(setting, [*further, *(sizes if self.swing else [])])
         if self.swing:
-            at = ERRORS + self.offset + 3 * self.lever
-            transition, shaking = describe_swing(setting, s, P, at)
-        found = make_room(measured, more)
-        swinging = (at, -geometry.unit, transition, shaking, setting.tuning.agreement**2)
+            s[at + 7 :] = setting.start[0][0] - setting.start[1] @ geometry.unit  # under the hook
+        offset = ERRORS if self.offset else -1
+        astray = ERRORS + self.offset if self.lever else -1
+        begun, agreement = at if self.swing else -1, setting.tuning.agreement**2
+        swinging = (begun, -geometry.unit, transition, shaking, agreement)
+        found = make_room(measured, len(P))
         record = make_record(setting, measured, self.antennas)
         filter_fixes(record, (s, P), offset, astray, swinging, tuple(found))
         return found
 
 
-def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array, Array]:
-    """Return transitions (3, 2, 2) and noise (3, 3, 3) of a sample; begin s and P, in place.
+def describe_swing(setting: Setting) -> tuple[Array, Array, list[float]]:
+    """Return transitions (3, 2, 2) and noise (3, 3, 3) of a sample, and first deviations (9,).
 
     The hook's swing is oscillators driven by white noise about a slow middle, which has no
     velocity: the hook is at rest, or wanders by no more than gusts do. Each direction is m'' = -w^2
     m - 2 z w m' + noise, whose stationary variances are the square of the swing's size and w^2
     times it. The middle wanders as gusts do at first, and begins anywhere within some sizes of
-    where the point under the hook is given to be. `at` is the first of the swing's errors.
+    where the point under the hook is given to be.
     """
     transitions, noises = np.zeros((3, 2, 2)), np.zeros((3, 3, 3))
-    under_hook = setting.start[0][0] - setting.start[1] @ setting.geometry.unit
-    for i in range(3):
-        w, size = 2.0 * np.pi / setting.swing_period[i], setting.swing_sigma[i]
+    natural, sizes = 2.0 * np.pi / setting.swing_period, setting.swing_sigma
+    for i, (w, size) in enumerate(zip(natural, sizes, strict=True)):
         rate = np.array([[0.0, 1.0], [-(w**2), -2.0 * setting.swing_damping[i] * w]])
         stationary = size**2 * np.diag([1.0, w**2])
-        F = expm(rate * setting.step)
-        transitions[i] = F
+        transitions[i] = F = expm(rate * setting.step)
         noises[i, :2, :2] = stationary - F @ stationary @ F.T
         noises[i, 2, 2] = 2.0 * setting.gust_sigma[i] ** 2 * setting.step / setting.gust_time
-        for j, variance in ((0, size**2), (3, (w * size) ** 2), (6, (3.0 * size) ** 2)):
-            P[at + j + i, at + j + i] = variance
-        s[at + 7 + i] = under_hook[i]
-    return transitions, noises
+    return transitions, noises, [*sizes, *(natural * sizes), *(3.0 * sizes)]
 
 
 @dataclass(frozen=True)

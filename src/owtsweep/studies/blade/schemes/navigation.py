@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,16 +25,19 @@ class Found(NamedTuple):
     nis: Array
 
 
-def begin(setting: Setting, more: int = 0) -> tuple[Array, Array]:
-    """Return state (16,) and covariance (15, 15) of the given start, with `more` zero errors."""
+def begin(setting: Setting, further: Sequence[float] = ()) -> tuple[Array, Array]:
+    """Return state (16,) and covariance (15, 15) of the given start.
+
+    Further states begin at zero; `further` are their standard deviations.
+    """
     (position, velocity), rotation = setting.start
-    s = np.zeros(STATES + more)
+    s = np.zeros(STATES + len(further))
     s[:3], s[3:6] = position, velocity
     s[6:10] = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
     of_position, of_velocity, tilt, heading = setting.start_sigma
     sigma = [
         *[of_position] * 3, *[of_velocity] * 3, tilt, tilt, heading, *[setting.force_bias] * 3,
-        *[setting.rate_bias] * 3, *[0.0] * more,
+        *[setting.rate_bias] * 3, *further,
     ]  # fmt: skip
     return s, np.diag(np.square(sigma))
 
@@ -60,8 +64,8 @@ def find_noise(setting: Setting) -> Array:
     ])  # fmt: skip
 
 
-def make_room(measured: Measured, more: int = 0) -> Found:
-    steps, errors = len(measured.rate), ERRORS + more
+def make_room(measured: Measured, errors: int = ERRORS) -> Found:
+    steps = len(measured.rate)
     return Found(np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.zeros(steps))
 
 
