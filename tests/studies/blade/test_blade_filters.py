@@ -160,12 +160,10 @@ def test_the_swing_begins_under_the_hook_and_keeps_its_size() -> None:
     assert states[0, ERRORS + 7 :] == pytest.approx(first, abs=1e-4)
     transitions, noises, sizes = describe_swing(setting)
     assert np.all(np.diagonal(covariances[0])[ERRORS:] <= np.square(sizes))
-    for F, Q, period, sigma in zip(
-        transitions, noises, setting.swing_period, setting.swing_sigma, strict=True
-    ):
+    for F, Q, mode in zip(transitions, noises, setting.swing, strict=True):
         settled = solve_discrete_lyapunov(F, Q[:2, :2])
-        rates = (2.0 * np.pi / period) ** 2
-        assert settled == pytest.approx(sigma**2 * np.diag([1.0, rates]), abs=1e-12)
+        rates = (2.0 * np.pi / mode.period) ** 2
+        assert settled == pytest.approx(mode.sigma**2 * np.diag([1.0, rates]), abs=1e-12)
 
 
 def test_before_the_first_fix_the_start_stands() -> None:

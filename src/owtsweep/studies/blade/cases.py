@@ -78,7 +78,6 @@ def make_setting(config: BladeConfig, cell: Cell, start: Start) -> Setting:
     declared = tuning.noise == "declared"
     priors = tuning if declared else config.unit
     fix_sigma = np.array(tuning.fix_sigma) if declared else cell["sigma"] * vertical
-    freedoms = list(choose_freedoms(config, cell).values())[:3]
     walk = 1.0 / np.sqrt(WALK_TIME)
     rate_sigma = np.deg2rad(priors.rate_sigma)
     return Setting(
@@ -95,10 +94,7 @@ def make_setting(config: BladeConfig, cell: Cell, start: Start) -> Setting:
         start_sigma=start.sigma,
         offset_sigma=tuning.offset_sigma,
         lever_sigma=tuning.lever_sigma,
-        swing_sigma=np.array([each.sigma for each in freedoms]),
-        swing_period=np.array([each.period for each in freedoms]),
-        swing_damping=np.array([each.damping for each in freedoms]),
-        gust_sigma=np.array([each.gust for each in freedoms]),
+        swing=tuple(choose_freedoms(config, cell).values())[:3],
         gust_time=config.motion.gust_time,
         tuning=tuning,
         geometry=start.geometry,

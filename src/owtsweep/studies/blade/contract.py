@@ -7,7 +7,7 @@ the blade's centre of gravity in its reference position. The body's frame is thi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from owtsweep.arrays import Array
 from owtsweep.studies.base import contract
 from owtsweep.studies.base.contract import Knowledge
 from owtsweep.studies.blade.tuning import Tuning
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.sections import Freedom
 
 __all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
 
@@ -153,10 +156,8 @@ class Setting(Knowledge):
     offset_sigma: Standard deviation of the clock's offset, s; 0 if it is taken for nothing.
     lever_sigma: Standard deviation, along each axis of the body, of the error of the antenna's
         place, m.
-    swing_sigma, swing_period, swing_damping: Of the motion of the point under the hook: standard
-        deviations (m), natural periods (s) and damping ratios, shape (3,) each.
-    gust_sigma, gust_time: Standard deviations of its slow wandering in gusts (m), shape (3,), and
-        their time constant (s).
+    swing, gust_time: How the point under the hook moves along x, y and z: resonances, and slow
+        wandering in gusts, in m; and the time constant of gusts (s).
     tuning: the numbers of all schemes.
     geometry: where root, inertial unit and antennas are.
     """
@@ -174,10 +175,7 @@ class Setting(Knowledge):
     start_sigma: Array
     offset_sigma: float
     lever_sigma: float
-    swing_sigma: Array
-    swing_period: Array
-    swing_damping: Array
-    gust_sigma: Array
+    swing: tuple[Freedom, ...]
     gust_time: float
     tuning: Tuning
     geometry: Geometry = PLAN

@@ -87,11 +87,12 @@ def find_wander(setting: Setting, truth: Truth) -> tuple[Array, Array]:
     under_hook = truth.root - truth.rotation @ setting.geometry.root
     steps = len(under_hook)
     wander = np.empty(3)
-    for axis, period in enumerate(setting.swing_period):
-        window = min(max(round(period / truth.step), 1), steps)
+    for axis, mode in enumerate(setting.swing):
+        window = min(max(round(mode.period / truth.step), 1), steps)
         total = np.concatenate([[0.0], np.cumsum(under_hook[:, axis])])
         wander[axis] = np.ptp(total[window:] - total[:-window]) / window
-    assumed = setting.gust_sigma * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
+    gusts = np.array([mode.gust for mode in setting.swing])
+    assumed = gusts * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
     assumed = np.hypot(assumed, setting.tuning.agreement)
     assumed[:2] = assumed[:2].max()
     return wander, assumed

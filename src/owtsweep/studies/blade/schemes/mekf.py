@@ -73,15 +73,16 @@ def describe_swing(setting: Setting) -> tuple[Array, Array, list[float]]:
     times it. The middle wanders as gusts do at first, and begins anywhere within some sizes of
     where the point under the hook is given to be.
     """
-    transitions, noises = np.zeros((3, 2, 2)), np.zeros((3, 3, 3))
-    natural, sizes = 2.0 * np.pi / setting.swing_period, setting.swing_sigma
-    for i, (w, size) in enumerate(zip(natural, sizes, strict=True)):
-        rate = np.array([[0.0, 1.0], [-(w**2), -2.0 * setting.swing_damping[i] * w]])
-        stationary = size**2 * np.diag([1.0, w**2])
+    transitions, noises, sizes = np.zeros((3, 2, 2)), np.zeros((3, 3, 3)), np.zeros((3, 3))
+    for i, mode in enumerate(setting.swing):
+        w = 2.0 * np.pi / mode.period
+        rate = np.array([[0.0, 1.0], [-(w**2), -2.0 * mode.damping * w]])
+        stationary = mode.sigma**2 * np.diag([1.0, w**2])
         transitions[i] = F = expm(rate * setting.step)
         noises[i, :2, :2] = stationary - F @ stationary @ F.T
-        noises[i, 2, 2] = 2.0 * setting.gust_sigma[i] ** 2 * setting.step / setting.gust_time
-    return transitions, noises, [*sizes, *(natural * sizes), *(3.0 * sizes)]
+        noises[i, 2, 2] = 2.0 * mode.gust**2 * setting.step / setting.gust_time
+        sizes[:, i] = mode.sigma * np.array([1.0, w, 3.0])
+    return transitions, noises, sizes.ravel().tolist()
 
 
 @dataclass(frozen=True)
