@@ -17,7 +17,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import owtsweep
-from owtsweep.studies.mating.measures import Limits, compare_chances, find_chances
+from owtsweep.studies.mating.config import Limits
+from owtsweep.studies.mating.measures import compare_chances, find_chances
 
 DISTANCE, SPEED, HOLD = 0.1, 0.1, 2.0  # m, m/s, s
 HUB_SCHEME = "HME1"
@@ -41,7 +42,7 @@ def main(arguments: list[str]) -> int:
         print(f"mating.py: {error}", file=sys.stderr)
         return 2
     rate = 1.0 / blade.time[1]
-    limits = Limits(DISTANCE, SPEED, round(HOLD * rate))
+    limits, hold = Limits(distance=DISTANCE, speed=SPEED), round(HOLD * rate)
     every = round(blade.time[1] / hub.time[1])
     judged = slice(blade.settled, None)
 
@@ -54,7 +55,7 @@ def main(arguments: list[str]) -> int:
     for name in blade.estimates:
         motions[name] = subtract(blade.estimates[name], hub.estimates[HUB_SCHEME])
     chances = {
-        name: find_chances(position[judged], velocity[judged], limits)
+        name: find_chances(position[judged], velocity[judged], limits, hold)
         for name, (position, velocity) in motions.items()
     }
     print(

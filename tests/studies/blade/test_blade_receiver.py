@@ -8,18 +8,22 @@ import numpy as np
 import pytest
 from hanging import QUIET, make, mean_square, run, score
 
+from owtsweep.config import changed
 from owtsweep.estimation.inertial.multiplicative import learn_fix
 from owtsweep.streams import stream
+from owtsweep.studies import compose
 from owtsweep.studies.blade.measuring import draw_errors, draw_states
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.sections import Receiver
 
 DRAWS = partial(stream, 1, "blade", (), 0)
 STEP = 0.2
+SENSORS = compose(["study=blade"]).sensors
 
 
 def _draw(count: int = 100_000, **keys: float) -> tuple[np.ndarray, np.ndarray]:
-    return draw_errors(Receiver(**keys), DRAWS, count, STEP, 1.5)
+    rate = {"fix_rate": 1.0 / STEP, "vertical": 1.5}
+    return draw_errors(changed(SENSORS, receiver=Receiver(**keys), **rate), DRAWS, count)
 
 
 def test_a_clean_receiver_adds_nothing() -> None:

@@ -12,12 +12,16 @@ import pytest
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies import compose
+from owtsweep.studies.mating.config import Limits
 from owtsweep.studies.mating.joining import Relative, find_estimated_motion, find_true_motion
-from owtsweep.studies.mating.measures import Limits, compare, compare_chances, find_chances
+from owtsweep.studies.mating.measures import compare, compare_chances, find_chances
 from owtsweep.sweep import shard
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "mating.py"
 QUICK = ["study=mating", "experiment=quick", "record.duration=60", "record.settling=20"]
+
+
+WIDE, NARROW = Limits(distance=0.2, speed=0.12), Limits(distance=0.1, speed=0.1)
 
 
 def _wander(seed: int, steps: int = 400) -> tuple[np.ndarray, np.ndarray]:
@@ -34,12 +38,12 @@ def test_chances_by_brute_force(hold: int) -> None:
     ]
     expected = [all(together[k : k + hold]) for k in range(len(together) - hold + 1)]
     assert any(expected)
-    assert find_chances(apart, velocity, Limits(0.2, 0.12, hold)).tolist() == expected
+    assert find_chances(apart, velocity, WIDE, hold).tolist() == expected
 
 
 def test_a_record_shorter_than_a_mating() -> None:
     with pytest.raises(ValueError, match="3 samples are fewer than the 4 of a mating"):
-        find_chances(np.zeros((3, 3)), np.zeros((3, 3)), Limits(0.1, 0.1, 4))
+        find_chances(np.zeros((3, 3)), np.zeros((3, 3)), NARROW, 4)
 
 
 def test_shares_of_chances() -> None:
@@ -55,7 +59,7 @@ def test_shares_of_chances() -> None:
 
 def test_a_perfect_estimate_is_never_wrong() -> None:
     true = Relative(*_wander(2))
-    found = compare(true, true, Limits(0.2, 0.12, 3), settled=50)
+    found = compare(true, true, WIDE, 3, settled=50)
     assert found["relative"] == found["speed"] == found["wrong"] == found["missed"] == 0.0
     assert found["chance"] == found["told"] > 0.0
 
@@ -67,9 +71,7 @@ def test_measures_are_those_of_the_settled_part() -> None:
     true[[20, 21, 22]] = said[[20, 25]] = 0.0
     still, fast = np.zeros((30, 3)), np.full((30, 3), [0.0, 0.0, 9.0])
     fast[20:] = [0.0, 0.06, 0.0]
-    found = compare(
-        Relative(true, still), Relative(said, fast), Limits(0.1, 0.1, 1), settled=20
-    )  # fmt: skip
+    found = compare(Relative(true, still), Relative(said, fast), NARROW, 1, settled=20)
     expected = {
         "relative": np.sqrt(3 / 10), "speed": 0.06, "wrong": 3 / 10, "chance": 3 / 10,
         "told": 2 / 10, "missed": 2 / 3, "false": 1 / 2,
@@ -83,7 +85,7 @@ def test_nees_of_drawn_errors() -> None:
     P = np.array([[4.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 1.0]])
     error = np.random.default_rng(3).multivariate_normal(np.zeros(3), P, steps)
     told = Relative(error, error, np.broadcast_to(P, (steps, 3, 3)))
-    found = compare(true, told, Limits(0.1, 0.1, 1), settled=0)
+    found = compare(true, told, NARROW, 1, settled=0)
     assert found["nees"] == pytest.approx(1.0, abs=0.03)
 
 

@@ -119,8 +119,7 @@ def list_untold(config: BladeConfig) -> Untold:
             {"sensors.receiver.red_sigma": 0.02},
         ),
         "reflections": Departure(
-            "fixes jump by some .05 m for 5 s, once a minute",
-            {"sensors.receiver.jump_every": 60.0},
+            "fixes jump by some .05 m for 5 s, once a minute", {"sensors.receiver.jump_every": 60.0}
         ),
         "late": Departure("time stamps of the fixes come .05 s late", {"grid.offset": 0.05}),
         "lever": Departure("the antenna stands .05 m from where it should", {"grid.lever": 0.05}),

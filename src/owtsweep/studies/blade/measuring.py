@@ -19,7 +19,7 @@ from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.boom import measure_boom
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, Measured
-from owtsweep.studies.blade.sections import Receiver, Unit
+from owtsweep.studies.blade.sections import Receiver, Sensors, Unit
 from owtsweep.studies.blade.truth import Motion
 
 #: Time in s after which a walk of a bias is what the configuration says.
@@ -45,10 +45,8 @@ def measure(config: BladeConfig, motion: Motion, cell: Cell) -> Measured:
     fixes = motion.locate(antennas, time - cell["offset"])
     sigma = cell["sigma"] * np.array([1.0, 1.0, sensors.vertical])
     fixes += sigma * draws("fix").standard_normal((steps, len(ANTENNAS), 3))
-    interval, floating = 1.0 / sensors.fix_rate, np.zeros(steps, dtype=bool)
-    added, floating[due] = draw_errors(
-        sensors.receiver, draws, int(due.sum()), interval, sensors.vertical
-    )
+    floating = np.zeros(steps, dtype=bool)
+    added, floating[due] = draw_errors(sensors, draws, int(due.sum()))
     fixes[due] += added[:, None]
     fixes[~due | find_outages(config, cell["outage"])] = np.nan
 
@@ -110,17 +108,14 @@ def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: 
     return np.asarray(times[times < duration - 0.5 * mean])
 
 
-def draw_errors(
-    receiver: Receiver, draws: Streams, count: int, interval: float, vertical: float
-) -> tuple[Array, NDArray[np.bool_]]:
+def draw_errors(sensors: Sensors, draws: Streams, count: int) -> tuple[Array, NDArray[np.bool_]]:
     """Draw the errors of successive fixes, m, (count, 3), and which are float solutions, (count,).
 
     All antennas of a record suffer these errors alike: they hear the same sky. The processes are
     usual models, not measured ones; Maes et al. (2018) say nothing about errors but their size.
-    Fixes, lost ones among them, are `interval` seconds apart; `vertical` is the ratio of vertical
-    to horizontal errors.
+    Lost fixes are counted.
     """
-    errors = np.zeros((count, 3))
+    receiver, interval, errors = sensors.receiver, 1.0 / sensors.fix_rate, np.zeros((count, 3))
     floating = draw_states(receiver, draws("float"), count, interval)
     slow = partial(draw_gauss_markov, time=receiver.red_time, step=interval, axes=3)
     if receiver.red_sigma > 0.0:
@@ -138,7 +133,7 @@ def draw_errors(
             length=max(round(receiver.jump_time / interval), 1),
             axes=3,
         )
-    return errors * [1.0, 1.0, vertical], floating
+    return errors * [1.0, 1.0, sensors.vertical], floating
 
 
 def draw_states(

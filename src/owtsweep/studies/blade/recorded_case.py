@@ -78,8 +78,7 @@ def load_lift(config: BladeConfig) -> Lift:
             f"{table.path}: its times are dates, which become seconds from the file's first, and "
             "files of a lift need one clock; write seconds of one clock",
         )
-    others = [(table, ANTENNA) for table in tables]
-    inertial = read_signals(path, UNIT, recorded.columns, others)
+    inertial = read_signals(path, UNIT, recorded.columns, [(table, ANTENNA) for table in tables])
     antennas = [read_antenna(table, recorded.columns) for table in tables]
     placed, floating = _place_fixes(antennas, inertial, recorded.shift)
     there = np.flatnonzero(np.isfinite(placed[:, 0, 0]))
@@ -126,12 +125,11 @@ def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:
     found = read_fixes(table, replace(ANTENNA, dimension=dimensions.get, needed=names), columns)
     position = found.stack(names)
     for i, (name, most) in enumerate((("latitude", 90.0), ("longitude", 360.0)) if globe else ()):
-        wrong = np.flatnonzero(np.abs(position[:, i]) > most)
-        require(
-            len(wrong) == 0,
-            f"{table.path}: a {name} of {position[wrong[:1], i].sum():g} degrees in data row "
-            f"{wrong[0] + 1 if len(wrong) else 0}; give decimal degrees up to {most:g}",
-        )
+        for row in np.flatnonzero(np.abs(position[:, i]) > most):
+            raise InputError(
+                f"{table.path}: a {name} of {position[row, i]:g} degrees in data row {row + 1}; "
+                f"give decimal degrees up to {most:g}"
+            )
     quality = found.values.get(QUALITY, np.zeros(len(found.time)))
     return Fixes(table.path, found.time, position, globe, quality == FLOAT, bare)
 

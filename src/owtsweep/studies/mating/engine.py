@@ -26,7 +26,7 @@ from owtsweep.studies.mating.joining import (
     find_estimated_motion,
     find_true_motion,
 )
-from owtsweep.studies.mating.measures import Limits, compare
+from owtsweep.studies.mating.measures import compare
 from owtsweep.sweep.study import Block
 
 #: Most records of a block.
@@ -64,7 +64,6 @@ class MatingEngine(ContestEngine["MatingConfig"]):
         blade = configure_blade(config, content["sigma"], content["outage"], schemes)
         hub = configure_hub(config, content["hub_sigma"])
         hold = max(round(content["hold"] * config.record.rate), 1)
-        limits = Limits(config.limits.distance, config.limits.speed, hold)
         replicates = range(*content["replicates"])
         judged: dict[str, list[Judgement[Mapping[str, float]]]] = {scheme: [] for scheme in schemes}
         for replicate in replicates:
@@ -76,7 +75,7 @@ class MatingEngine(ContestEngine["MatingConfig"]):
                     continue
                 estimated = find_estimated_motion(of_blade, scheme, of_hub, config.hub_scheme)
                 try:
-                    found = compare(true, estimated, limits, config.record.settled)
+                    found = compare(true, estimated, config.limits, hold, config.record.settled)
                 except NotFinite as error:
                     judged[scheme].append(explain(error))
                     continue

@@ -5,8 +5,6 @@ Signals are judged after `record.settling`.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.base.contract import NotFinite
+from owtsweep.studies.mating.config import Limits
 from owtsweep.studies.mating.joining import Relative
 
 #: Criteria of the maps.
@@ -40,9 +39,12 @@ OTHERS = {
 }
 
 
-def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -> dict[str, float]:
+def compare(
+    true: Relative, estimated: Relative, limits: Limits, hold: int, settled: int
+) -> dict[str, float]:
     """Compare a relative motion with the true one; return measure -> value.
 
+    `limits` and `hold` are as for `find_chances`; samples from `settled` on are compared.
     A measure that no number can be given for, such as missed chances without a chance, is left out.
     Raise `NotFinite` if an estimate is not finite.
     """
@@ -51,7 +53,7 @@ def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -
     if not (np.isfinite(error).all() and np.isfinite(speed).all()):
         raise NotFinite("the estimate is not finite")
     can, said = (
-        find_chances(motion.position[settled:], motion.velocity[settled:], limits)
+        find_chances(motion.position[settled:], motion.velocity[settled:], limits, hold)
         for motion in (true, estimated)
     )
     found = {
@@ -64,31 +66,19 @@ def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -
     return {name: value for name, value in found.items() if not np.isnan(value)}
 
 
-class Limits(NamedTuple):
-    """What a mating allows: distance from its place (m), relative speed (m/s), and for how long.
-
-    `hold` is the number of samples for which both must hold, the first among them.
-    """
-
-    distance: float
-    speed: float
-    hold: int
-
-
-def find_chances(apart: Array, velocity: Array, limits: Limits) -> NDArray[np.bool_]:
+def find_chances(apart: Array, velocity: Array, limits: Limits, hold: int) -> NDArray[np.bool_]:
     """Return at which moments a mating may begin, shape (steps - hold + 1,).
 
-    It may if the bodies keep within the limits from the moment on, for `limits.hold` samples.
-    `apart`, their distance from the place of mating (m), and `velocity`, that relative to each
-    other (m/s), have the shape (steps, axes). Raise `ValueError` if the record is shorter than
-    `limits.hold`.
+    It may if the bodies keep within the limits from the moment on, for `hold` samples. `apart`,
+    their distance from the place of mating (m), and `velocity`, that relative to each other (m/s),
+    have the shape (steps, axes). Raise `ValueError` if the record is shorter than `hold`.
     """
-    if len(apart) < limits.hold:
-        raise ValueError(f"{len(apart)} samples are fewer than the {limits.hold} of a mating")
+    if len(apart) < hold:
+        raise ValueError(f"{len(apart)} samples are fewer than the {hold} of a mating")
     near = np.sum(apart**2, axis=1) <= limits.distance**2
     slow = np.sum(velocity**2, axis=1) <= limits.speed**2
     count = np.concatenate([[0], np.cumsum(near & slow)])
-    return np.asarray(count[limits.hold :] - count[: -limits.hold] == limits.hold)
+    return np.asarray(count[hold:] - count[:-hold] == hold)
 
 
 def compare_chances(can: NDArray[np.bool_], said: NDArray[np.bool_]) -> dict[str, float]:
