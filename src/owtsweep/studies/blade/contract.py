@@ -7,7 +7,7 @@ the blade's centre of gravity in its reference position. The body's frame is thi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,11 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.studies.base import contract
 from owtsweep.studies.base.contract import Knowledge
+from owtsweep.studies.blade.sections import DOF, Freedom
 from owtsweep.studies.blade.tuning import Tuning
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.sections import Freedom
 
 __all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
 
-#: Translations of the centre of gravity (longitudinal, lateral, vertical), then angles as the paper
-#: has them: heading (positive clockwise seen from above), pitch, roll.
-DOF = ("u", "v", "w", "heading", "pitch", "roll")
 #: The blade's root in the body's frame, m (section 3.1).
 ROOT = np.array([-17.93, 0.0, 0.0])
 #: The inertial unit, m. The paper shows it in a picture only: on top of the blade near the root.

@@ -7,7 +7,10 @@ from typing import Annotated
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.config.records import Records
 from owtsweep.studies.base.keys import Mode, key_of_vector, only_freedoms
-from owtsweep.studies.blade.contract import DOF
+
+#: Translations of the centre of gravity (longitudinal, lateral, vertical), then angles as the paper
+#: has them: heading (positive clockwise seen from above), pitch, roll.
+DOF = ("u", "v", "w", "heading", "pitch", "roll")
 
 
 class Grid(Records):
