@@ -19,7 +19,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from owtsweep._version import __version__
 from owtsweep.cli.completing import complete_override
@@ -56,212 +56,167 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f"{message}; {hint}see `{self.prog} --help`")
 
 
-def _add_sweep(parser: Parser) -> None:
-    _add_overrides(parser, "grid.replicates=2 (`--help study=NAME` shows a study's keys)")
-    _add_flag(parser, "-m", "--multirun", help="one run for each value of a=1,2,3")
-    _add_run_options(parser)
+#: An argument of a subcommand: its names, and what `ArgumentParser.add_argument` takes besides.
+Argument = tuple[tuple[str, ...], dict[str, Any]]
 
 
-def _add_advise(parser: Parser) -> None:
-    _add_overrides(parser, "natural_period=3.2")
-    _add_flag(parser, "--quick", help="the answer alone, without levers and other worlds")
-    _add_flag(parser, "--json", help="print one JSON object instead of sentences")
-    _add_config_dir(parser)
+def _argument(name: str, metavar: str | None, help: str, **more: Any) -> Argument:
+    return (name,), {"metavar": metavar, "help": help, **more}
 
 
-def _add_replay(parser: Parser) -> None:
-    parser.add_argument(
-        "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
-    )
-    _add_flag(parser, "--describe", help="list channels, units, rates and gaps, and stop")
-    _add_flag(parser, "--sample", help="write two sample records into this folder, and stop")
-    _add_run_options(parser)
+def _flag(names: str, help: str) -> Argument:
+    return tuple(names.split()), {"action": "store_true", "help": help}
 
 
-def _add_spectrum(parser: Parser) -> None:
-    _add_overrides(parser, "tuning=matched")
-    _add_config_dir(parser)
+def _overrides(example: str) -> Argument:
+    return _argument("overrides", "override", f"Hydra override, e.g. {example}", nargs="*")
 
 
-def _add_tune(parser: Parser) -> None:
-    _add_overrides(parser, "sensors.gnss.rate=5")
-    _add_flag(parser, "--dry-run", help="say what would be searched, in what time, and stop")
-    _add_config_dir(parser)
-    parser.add_argument(
-        "--output", metavar="FILE", help="the tuning file to write; default tuned-<hash>.yaml"
-    )
-
-
-def _add_vary(parser: Parser) -> None:
-    _add_overrides(parser, "sensors.gnss.rate=1,2,5,10")
-    _add_flag(parser, "--cfg", help="print the configuration of each value with units and stop")
-    _add_flag(parser, "--dry-run", help="say what would be computed, in what time, and stop")
-    _add_config_dir(parser)
-
-
-def _add_place(parser: Parser) -> None:
-    _add_overrides(parser, "structure=./my_tower.yaml")
-    parser.add_argument(
-        "--quantity", metavar="NAME", help="whose error counts: stress (default) or base_moment"
-    )
-    parser.add_argument("--count", metavar="N", type=int, help="most sensors to choose; default 8")
-    text = "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements"
-    parser.add_argument("--heights", metavar="LIST", help=text)
-    _add_config_dir(parser)
-
-
-def _add_init(parser: Parser) -> None:
-    parser.add_argument("kind", choices=("scheme", "structure", "study"), help="what to write")
-    parser.add_argument("name", metavar="NAME", help="its name, e.g. my_filter")
-    text = "of a scheme: study=hub (default), tower, floater or blade"
-    words = parser.add_argument("overrides", nargs="*", default=[], metavar="study=...", help=text)
-    words.completer = complete_override  # type: ignore[attr-defined]
-
-
-def _add_run(parser: Parser) -> None:
-    parser.add_argument(
-        "run", metavar="RUN", help="folder of a run, e.g. results/default-0a1b2c3d4e"
-    )
-
-
-def _add_fidelity(parser: Parser) -> None:
-    _add_run(parser)
-    text = "a file of claims (TOML) instead of those of the study's paper"
-    parser.add_argument("--claims", metavar="FILE", help=text)
-
-
-def _add_figures(parser: Parser) -> None:
-    _add_run(parser)
-    text = "only the map, with where a structure is on it: a name in conf/structure or a YAML file"
-    parser.add_argument("--envelope", metavar="STRUCTURE", help=text)
-
-
-def _add_report(parser: Parser) -> None:
-    _add_run(parser)
-    text = "the file to write; default: report.html in the run's folder"
-    parser.add_argument("--output", metavar="FILE", help=text)
-    text = "run record 0 of each cell once more, and show 40 s of truth and estimates"
-    _add_flag(parser, "--details", help=text)
-
-
-def _add_list(parser: Parser) -> None:
-    text = (
-        "a study, a config group, or a scheme, e.g. tower, sensors or HME1; default: all; "
-        "with study=STUDY, of this study alone"
-    )
-    parser.add_argument("names", nargs="*", metavar="NAME", help=text)
-
-
-def _add_runs(parser: Parser) -> None:
-    text = "the folder that holds the runs; default: results"
-    parser.add_argument("folder", nargs="?", default="results", metavar="FOLDER", help=text)
-
-
-def _add_compare(parser: Parser) -> None:
-    parser.add_argument(
-        "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
-    )
-
-
-def _add_overrides(parser: Parser, example: str) -> None:
-    text = f"Hydra override, e.g. {example}"
-    words = parser.add_argument("overrides", nargs="*", metavar="override", help=text)
-    words.completer = complete_override  # type: ignore[attr-defined]
-
-
-def _add_run_options(parser: Parser) -> None:
-    _add_flag(parser, "--cfg", help="print the resolved configuration with units and stop")
-    _add_flag(parser, "--dry-run", help="say what would be computed, in what time, and stop")
-    _add_config_dir(parser)
-    _add_flag(parser, "--fresh", help="delete this run's cases, tables and figures, and start over")
-    _add_flag(parser, "--yes", help="do not ask before deleting")
-
-
-def _add_config_dir(parser: Parser) -> None:
-    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
-
-
-def _add_flag(parser: Parser, *names: str, help: str) -> None:
-    parser.add_argument(*names, action="store_true", help=help)
-
-
-#: Name of a subcommand -> what it does, an example, and the function that adds its arguments to a
-#: parser. The module of a subcommand is owtsweep.cli.<name>.
-COMMANDS = {
+CONFIG_DIR = _argument("--config-dir", "DIR", "folder with more config groups")
+DRY_RUN = _flag("--dry-run", "say what would be computed, in what time, and stop")
+RUN = _argument("run", "RUN", "folder of a run, e.g. results/default-0a1b2c3d4e")
+RUN_OPTIONS = (
+    _flag("--cfg", "print the resolved configuration with units and stop"),
+    DRY_RUN,
+    CONFIG_DIR,
+    _flag("--fresh", "delete this run's cases, tables and figures, and start over"),
+    _flag("--yes", "do not ask before deleting"),
+)
+#: Name of a subcommand -> what it does, an example, and its arguments. The module of a subcommand
+#: is owtsweep.cli.<name>.
+COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
     "advise": (
         "Say which estimator to run in one case, how good it is, and what would change that.",
         "advise natural_period=3.2 amplitude=0.5 sensors.gnss.rate=10",
-        _add_advise,
+        _overrides("natural_period=3.2"),
+        _flag("--quick", "the answer alone, without levers and other worlds"),
+        _flag("--json", "print one JSON object instead of sentences"),
+        CONFIG_DIR,
     ),
     "sweep": (
         "Run a study, or finish one that was stopped, and draw its map.",
         "sweep grid.replicates=2 schemes=[MKF,HME1] tuning=matched",
-        _add_sweep,
+        _overrides("grid.replicates=2 (`--help study=NAME` shows a study's keys)"),
+        _flag("-m --multirun", "one run for each value of a=1,2,3"),
+        *RUN_OPTIONS,
     ),
     "replay": (
         "Run the schemes on recorded motion or recorded sensors; say which one to run.",
         "replay towertop.outb columns.position_x=TwHt1TPxi",
-        _add_replay,
+        _argument("words", "FILE|override", "records or patterns; key=value words", nargs="*"),
+        _flag("--describe", "list channels, units, rates and gaps, and stop"),
+        _flag("--sample", "write two sample records into this folder, and stop"),
+        *RUN_OPTIONS,
     ),
     "figures": (
         "Draw all figures and tables of a run into its folder figures/.",
         "figures results/default-0a1b2c3d4e",
-        _add_figures,
+        RUN,
+        _argument(
+            "--envelope",
+            "STRUCTURE",
+            "only the map, with where a structure is on it: a name in conf/structure or a "
+            "YAML file",
+        ),
     ),
     "report": (
         "Write report.html, one page of a run to send: it opens offline, in any browser.",
         "report results/default-0a1b2c3d4e",
-        _add_report,
+        RUN,
+        _argument(
+            "--output", "FILE", "the file to write; default: report.html in the run's folder"
+        ),
+        _flag(
+            "--details", "run record 0 of each cell once more, and show 40 s of truth and estimates"
+        ),
     ),
     "fidelity": (
         "Judge the claims of a study's paper, or yours, by a run; writes RUN/fidelity/.",
         "fidelity results/default-0a1b2c3d4e",
-        _add_fidelity,
+        RUN,
+        _argument(
+            "--claims", "FILE", "a file of claims (TOML) instead of those of the study's paper"
+        ),
     ),
     "compare": (
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
         "compare results/multirun-0a1b2c3d4e",
-        _add_compare,
+        _argument("runs", "RUN", "folder of a multirun, or folders of several runs", nargs="+"),
     ),
     "spectrum": (
         "Draw the schemes' error spectra and noise floors, without any record (study=hub).",
         "spectrum tuning=matched sensors.gnss.delay=0.4",
-        _add_spectrum,
+        _overrides("tuning=matched"),
+        CONFIG_DIR,
     ),
     "tune": (
         "Search the schemes' best numbers for these sensors; writes a tuning=FILE.",
         "tune sensors.gnss.rate=5 --output mine.yaml",
-        _add_tune,
+        _overrides("sensors.gnss.rate=5"),
+        _flag("--dry-run", "say what would be searched, in what time, and stop"),
+        CONFIG_DIR,
+        _argument("--output", "FILE", "the tuning file to write; default tuned-<hash>.yaml"),
     ),
     "vary": (
         "Draw each scheme's error over the values of one key, e.g. a GNSS rate.",
         "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4]",
-        _add_vary,
+        _overrides("sensors.gnss.rate=1,2,5,10"),
+        _flag("--cfg", "print the configuration of each value with units and stop"),
+        DRY_RUN,
+        CONFIG_DIR,
     ),
     "place": (
         "Say how many inclinometers are enough, and where, before any is mounted (study=tower).",
         "place study=tower structure=./my_tower.yaml grid.noise=[3]",
-        _add_place,
+        _overrides("structure=./my_tower.yaml"),
+        _argument("--quantity", "NAME", "whose error counts: stress (default) or base_moment"),
+        _argument("--count", "N", "most sensors to choose; default 8", type=int),
+        _argument(
+            "--heights",
+            "LIST",
+            "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements",
+        ),
+        CONFIG_DIR,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",
         "show results/default-0a1b2c3d4e",
-        _add_run,
+        RUN,
     ),
     "init": (
         "Write a first scheme, structure or study of your own, to be changed by you.",
         "init scheme my_filter study=floater",
-        _add_init,
+        _argument("kind", None, "what to write", choices=("scheme", "structure", "study")),
+        _argument("name", "NAME", "its name, e.g. my_filter"),
+        _argument(
+            "overrides",
+            "study=...",
+            "of a scheme: study=hub (default), tower, floater or blade",
+            nargs="*",
+            default=[],
+        ),
     ),
     "list": (
         "List studies, schemes and config groups, or what one name stands for.",
         "list tower",
-        _add_list,
+        _argument(
+            "names",
+            "NAME",
+            "a study, a config group, or a scheme, e.g. tower, sensors or HME1; default: all; "
+            "with study=STUDY, of this study alone",
+            nargs="*",
+        ),
     ),
     "runs": (
         "List the runs in a folder: study, tuning, decided cells, date, what is missing.",
         "runs results",
-        _add_runs,
+        _argument(
+            "folder",
+            "FOLDER",
+            "the folder that holds the runs; default: results",
+            nargs="?",
+            default="results",
+        ),
     ),
 }
 
@@ -275,9 +230,13 @@ def make_parser() -> Parser:
     subparsers = parser.add_subparsers(
         dest="command", metavar="COMMAND", title="commands", parser_class=Parser
     )
-    for name, (purpose, example, add_arguments) in COMMANDS.items():
+    for name, (purpose, example, *arguments) in COMMANDS.items():
         epilog = f"example: {PROGRAM} {example}"
-        add_arguments(subparsers.add_parser(name, help=purpose, description=purpose, epilog=epilog))
+        of_name = subparsers.add_parser(name, help=purpose, description=purpose, epilog=epilog)
+        for names, options in arguments:
+            added: Any = of_name.add_argument(*names, **options)
+            if names == ("overrides",):
+                added.completer = complete_override
     parser.commands = subparsers.choices
     return parser
 
