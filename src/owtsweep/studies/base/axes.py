@@ -75,11 +75,8 @@ class Axes(Generic[C]):
 
     def list_cells(self, config: C) -> list[Cell]:
         """Return all cells, the last axis running fastest; an axis without a value is missing."""
-        values = self.get_values(config)
-        return [
-            {axis: value for axis, value in zip(values, cell, strict=True) if value is not None}
-            for cell in product(*(of_axis or [None] for of_axis in values.values()))
-        ]
+        values = {axis: listed for axis, listed in self.get_values(config).items() if listed}
+        return [dict(zip(values, cell, strict=True)) for cell in product(*values.values())]
 
 
 def check_axes(axes: Axes[Any], config: Any) -> None:
@@ -95,15 +92,13 @@ def check_axes(axes: Axes[Any], config: Any) -> None:
     require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
     for axis in axes.names:
         values = getattr(grid, axis)
-        if axis in chosen:
-            require(
-                values is not None,
-                f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
-                f"grid.{axis}=[1,10]",
-            )
-            continue
         require(
-            values is None or len(values) == 1,
+            axis not in chosen or values is not None,
+            f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
+            f"grid.{axis}=[1,10]",
+        )
+        require(
+            axis in chosen or values is None or len(values) == 1,
             f"grid.{axis}: it has {len(values or [])} values, and the map is over {across} and "
             f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
         )

@@ -19,7 +19,7 @@ from owtsweep.statistics.deciding import FIRST
 from owtsweep.studies.base.axes import Axes, Cell
 from owtsweep.studies.base.contract import NotFinite, Ready, Unable
 from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart, Batch
-from owtsweep.studies.base.rows import Judgement, make_product_rows, make_rows
+from owtsweep.studies.base.rows import Judgement, Labels, make_product_rows, make_rows
 from owtsweep.studies.base.schemes import AnyScheme
 from owtsweep.studies.base.worlds import World, make_worlds
 from owtsweep.sweep.study import Block
@@ -178,12 +178,12 @@ def _run_one_tuning(
                 readied.judge(config, cell, record, parts)
                 for record, parts in records.take(config, cell)
             ]
-        labels = scheme.name, cell, axes.names, records.replicates, judged
+        labels = Labels(scheme.name, cell, axes.names, records.replicates)
         if declaration.superposes is None:
-            yield block, make_rows(*labels)
+            yield block, make_rows(labels, judged)
         else:
             apart = not {*axes.find_entering("scale")} <= {*cell}
-            yield block, make_product_rows(*labels, apart=apart)
+            yield block, make_product_rows(labels, judged, apart=apart)
 
 
 def _find_cell(axes: Axes[Any], block: Block) -> Cell:
@@ -277,13 +277,9 @@ class Records:
 
 def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int) -> None:
     """Raise `NotFinite`, naming the field, unless estimates have the declared shapes."""
-    try:
-        values = {name: getattr(estimates, name) for name in declaration.estimates}
-    except AttributeError as error:
-        raise NotFinite(f"the estimates lack {error.name}") from None
     for name, field in declaration.estimates.items():
-        value = values[name]
-        if value is None and field.optional:
+        value = getattr(estimates, name, None)
+        if value is None and field.optional and hasattr(estimates, name):
             continue
         if value is None:
             raise NotFinite(f"the estimates lack {name}")

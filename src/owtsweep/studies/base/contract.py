@@ -104,10 +104,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
         Raise `InputError` if the name cannot be shown in tables and figures, or another attribute
         is of a wrong type.
         """
-        try:
-            name: object = self.name
-        except AttributeError:
-            name = ""
+        name: object = getattr(self, "name", "")
         require(isinstance(name, str) and name != "", "it lacks name (a non-empty str)")
         check_name(name)
         require(

@@ -47,17 +47,20 @@ class Judgement(NamedTuple, Generic[F]):
     reason: str = ""
 
 
-def make_rows(
-    scheme: str,
-    cell: Mapping[str, Value],
-    axes: Sequence[str],
-    replicates: Sequence[int],
-    judged: Sequence[Judgement[Mapping[str, float]]],
-) -> pd.DataFrame:
-    """Return the rows of a block, one per record and measure; an axis that is not set is NaN.
+class Labels(NamedTuple):
+    """What the rows of a block are of: a scheme, a cell, and some records by their numbers.
 
     `cell` has the values of axes on which the rows depend; `axes` are the names of all.
     """
+
+    scheme: str
+    cell: Mapping[str, Value]
+    axes: Sequence[str]
+    replicates: Sequence[int]
+
+
+def make_rows(labels: Labels, judged: Sequence[Judgement[Mapping[str, float]]]) -> pd.DataFrame:
+    """Return the rows of a block, one per record and measure; an axis that is not set is NaN."""
     found = [part.found or {"": np.nan} for part in judged]
     windows = [WINDOW if part.status == OK else "" for part in judged]
     counts = [len(each) for each in found]
@@ -66,17 +69,11 @@ def make_rows(
         "window": np.repeat(windows, counts),
         "value": [value for each in found for value in each.values()],
     }
-    return _join(scheme, cell, axes, replicates, judged, counts, columns)
+    return _join(labels, judged, counts, columns)
 
 
 def make_product_rows(
-    scheme: str,
-    cell: Mapping[str, Value],
-    axes: Sequence[str],
-    replicates: Sequence[int],
-    judged: Sequence[Judgement[Means]],
-    *,
-    apart: bool,
+    labels: Labels, judged: Sequence[Judgement[Means]], *, apart: bool
 ) -> pd.DataFrame:
     """Return the rows of a block of products; parameters as for `make_rows`.
 
@@ -95,14 +92,11 @@ def make_product_rows(
         "value": none[0] if apart else products[2],
         "n_samples": [count for each in found for count in each.n_samples],
     }
-    return _join(scheme, cell, axes, replicates, judged, counts, columns)
+    return _join(labels, judged, counts, columns)
 
 
 def _join(
-    scheme: str,
-    cell: Mapping[str, Value],
-    axes: Sequence[str],
-    replicates: Sequence[int],
+    labels: Labels,
     judged: Sequence[Judgement[F]],
     counts: Sequence[int],
     columns: Mapping[str, object],
@@ -110,12 +104,12 @@ def _join(
     """Put labels before the columns of measures, and status and reason behind."""
     import pandas as pd
 
-    values = {axis: cell.get(axis, np.nan) for axis in axes}
+    values = {axis: labels.cell.get(axis, np.nan) for axis in labels.axes}
     return pd.DataFrame(
         {
             **{axis: v if isinstance(v, str) else float(v) for axis, v in values.items()},
-            "scheme": scheme,
-            "replicate": np.repeat(replicates, counts),
+            "scheme": labels.scheme,
+            "replicate": np.repeat(labels.replicates, counts),
             **columns,
             "status": np.repeat([part.status for part in judged], counts),
             "reason": np.repeat([part.reason for part in judged], counts),

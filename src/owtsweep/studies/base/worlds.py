@@ -148,19 +148,13 @@ def _find_key(axes: Axes[Any], untold: Untold, config: AnyConfig, name: str) -> 
 
 
 def _depart(axes: Axes[Any], config: AnyConfig, departure: Departure) -> World:
-    keys = departure.keys
-    start = f"{axes.section}."
-    moved = {
-        key.removeprefix(start): value
-        for key, value in keys.items()
-        if key.startswith(start) and key.removeprefix(start) in axes.names
-    }
-    lists = {key: [value] if key.removeprefix(start) in moved else value
-             for key, value in keys.items()}  # fmt: skip
+    moved = {f"{axes.section}.{axis}": axis for axis in axes.names}
+    values = {key: [value] if key in moved else value for key, value in departure.keys.items()}
     try:
-        departed = with_values(config, {**lists, "over": None})
+        departed = with_values(config, {**values, "over": None})
     except InputError as error:
         raise InputError(f"over: {error}") from error
     found, told = axes.get_values(departed), axes.get_values(config)
-    changed = {axis: (found[axis] or [])[0] for axis in moved if found[axis] != told[axis]}
+    places = [axis for key, axis in moved.items() if key in values]
+    changed = {axis: (found[axis] or [])[0] for axis in places if found[axis] != told[axis]}
     return World(departed, changed, departure.sentence)

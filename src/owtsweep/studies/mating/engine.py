@@ -15,7 +15,7 @@ from owtsweep.studies.base.blocks import Planned, PlanPart, explain, plan_blocks
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.base.engine import ContestEngine
-from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.rows import Judgement, Labels, make_rows
 from owtsweep.studies.base.study import ContestStudy
 from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST
@@ -84,8 +84,8 @@ class MatingEngine(ContestEngine["MatingConfig"]):
                 judged[scheme].append(Judgement(found))
         for block in blocks:
             scheme = block.content["scheme"]
-            rows = make_rows(scheme, block.content, CONTEST.names, replicates, judged[scheme])
-            yield block, rows
+            labels = Labels(scheme, block.content, CONTEST.names, replicates)
+            yield block, make_rows(labels, judged[scheme])
 
     def drawings(
         self,

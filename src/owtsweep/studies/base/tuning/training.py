@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -23,14 +24,11 @@ def choose_cells(contest: AnyContest, config: Any) -> list[Cell]:
     cells = contest.list_cells(config)
     if len(cells) <= MOST_CELLS:
         return cells
-    first, last = ([values[n] for values in contest.get_grid(config).values()] for n in (0, -1))
-    middle = [values[len(values) // 2] for values in contest.get_grid(config).values()]
-    across, upwards = contest.get_grid(config)
-    wanted = [
-        (first[0], first[1]), (first[0], last[1]), (last[0], first[1]), (last[0], last[1]),
-        (middle[0], middle[1]),
-    ]  # fmt: skip
-    return [cell for cell in cells if (cell[across], cell[upwards]) in wanted]
+    grid = contest.get_grid(config)
+    corners = product(*((values[0], values[-1]) for values in grid.values()))
+    middle = tuple(values[len(values) // 2] for values in grid.values())
+    wanted = [*corners, middle]
+    return [cell for cell in cells if tuple(cell[axis] for axis in grid) in wanted]
 
 
 class Training:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.estimation.late import LateModel, LateRows, copying, measurement_rows, transition
-from owtsweep.studies.base.rows import Judgement, Means, make_product_rows
+from owtsweep.studies.base.rows import Judgement, Labels, Means, make_product_rows
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
@@ -87,7 +87,9 @@ def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> 
         products[:, 2] = np.concatenate([true, true.sum(axis=0, keepdims=True)]).T.ravel()
         judged = [Judgement(Means(names, windows, products, counts))]
         cell = {"natural_period": period, "amplitude": amplitude}
-        tables.append(make_product_rows(SCHEME.name, cell, [*cell], [0], judged, apart=False))
+        tables.append(
+            make_product_rows(Labels(SCHEME.name, cell, [*cell], [0]), judged, apart=False)
+        )
     return pd.concat(tables, ignore_index=True)
 
 
