@@ -99,8 +99,9 @@ def test_the_script_writes_the_report(home, monkeypatch, capsys):
     html = Sources()
     html.feed((folder / "fidelity.html").read_text(encoding="utf-8"))
     assert html.open == []
-    assert len(html.loaded) == 3
-    assert all(source.startswith("data:image/png;base64,") for source in html.loaded)
+    assert len(html.loaded) == 4
+    assert html.loaded[0] == "data:,"  # no icon is asked for
+    assert all(source.startswith("data:image/png;base64,") for source in html.loaded[1:])
     assert "What this run lacks" in html.text
 
 

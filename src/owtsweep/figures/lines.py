@@ -60,18 +60,12 @@ def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Arr
     least and the greatest sample of each span, and the first and the last sample of the series, in
     order of time: at most `points` + 2. A series of at most `points` samples is returned unchanged.
     """
-    n = len(values)
-    if n <= points:
+    if len(values) <= points:
         return time, values
-    spans = max(points // 2, 1)
-    edges = np.linspace(0, n, spans + 1).astype(int)
-    # spans shorter than the longest are padded with their last sample
-    width = int(np.max(np.diff(edges)))
-    samples = np.minimum(edges[:-1, None] + np.arange(width), edges[1:, None] - 1)
-    table, span = values[samples], np.arange(spans)
-    least, greatest = (samples[span, find(axis=1)] for find in (table.argmin, table.argmax))
-    kept = np.unique(np.concatenate([[0], least, greatest, [n - 1]]))
-    return time[kept], values[kept]
+    envelope = Envelope(len(values), points)
+    envelope.add(values)
+    kept, extremes = envelope.points()
+    return time[kept], extremes
 
 
 class Envelope:

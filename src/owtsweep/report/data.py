@@ -91,33 +91,18 @@ def make_part(
     return {
         "tuning": tuning,
         "schemes": [
-            {
-                "name": name,
-                "baseline": name in contents.baselines,
-                **_draw_as(style_of(name, cube.schemes)),
-            }
+            {"name": name, "baseline": name in contents.baselines}
+            | _draw_as(style_of(name, cube.schemes))
             for name in cube.schemes
         ],
         "criteria": [
-            {
-                "name": name,
-                "title": contents.criteria[name].title,
-                "unit": contents.criteria[name].unit,
-                "squared": contents.criteria[name].squared,
-            }
+            {"name": name, **_list_facts(contents.criteria[name], "title", "unit", "squared")}
             for name in names
         ],
         "windows": list(cube.windows),
         "window": contents.window,
         "conditions": [
-            {
-                "name": condition.name,
-                "label": condition.label,
-                "word": condition.word,
-                "unit": condition.unit,
-                "scale": condition.scale,
-                "values": levels,
-            }
+            {**_list_facts(condition, "name", "label", "word", "unit", "scale"), "values": levels}
             for condition, levels in zip(cube.conditions, cube.levels, strict=True)
         ],
         "across": cube.names.index(layout.across.name),
@@ -133,6 +118,10 @@ def make_part(
         "help": help,
         "t": {count: float(t_quantile(count - 1)) for count in sorted(counts) if count > 1},
     }
+
+
+def _list_facts(thing: object, *names: str) -> dict[str, object]:
+    return {name: getattr(thing, name) for name in names}
 
 
 def _pack_records(

@@ -221,10 +221,18 @@ def _describe(
     second = min(apart, key=lambda i: others[i], default=-1)
     # of several that coincide, the simplest names them
     second = next((i for i in apart if agree(seen[i], seen[second])[:n].all()), second)
+    means = {cell.names[i]: value for i, value in others.items()} | {cell.names[best]: mean}
+
+    def choose(among: Sequence[str]) -> str:
+        """Return the best one of some contenders; "" if there is none."""
+        known = [name for name in among if np.isfinite(means[name])]
+        best_name = cell.names[best]
+        return best_name if best_name in among else min(known, key=means.__getitem__, default="")
+
     line: dict[str, object] = {
         "verdict": decision.verdict,
         "best": cell.names[best],
-        "best_scheme": _choose(cell, best, others, baselines, among_baselines=False),
+        "best_scheme": choose([name for name in cell.names if name not in baselines]),
         "runner_up": cell.names[second] if second >= 0 else "",
         "look": decision.look,
         "n": n,
@@ -245,9 +253,7 @@ def _describe(
         line["ci_low"] = (pair.difference - pair.half) * scale
         line["ci_high"] = (pair.difference + pair.half) * scale
     if baselines:
-        name = _choose(cell, best, others, baselines, among_baselines=True)
-        means = {cell.names[i]: value for i, value in others.items()} | {cell.names[best]: mean}
-        line["baseline"] = name
+        line["baseline"] = name = choose([name for name in cell.names if name in baselines])
         line["error_baseline"] = float(criterion.express(means.get(name, np.nan)))
     return line
 
@@ -301,25 +307,6 @@ def _compare(values: Array, best: Array) -> _Pair:
 def _scale(mean: float, pair: _Pair) -> float:
     """Return the best one's mean over all records, divided by that over the pair's."""
     return mean / pair.of_best if pair.of_best != 0.0 else 1.0
-
-
-def _choose(
-    cell: Cell,
-    best: int,
-    others: Mapping[int, float],
-    baselines: Sequence[str],
-    *,
-    among_baselines: bool,
-) -> str:
-    """Return the best scheme, or the best baseline; "" if there is none."""
-    if (cell.names[best] in baselines) == among_baselines:
-        return cell.names[best]
-    means = {
-        cell.names[i]: value
-        for i, value in others.items()
-        if (cell.names[i] in baselines) == among_baselines and np.isfinite(value)
-    }
-    return min(means, key=lambda name: means[name], default="")
 
 
 def count_cells(grid: Mapping[str, Sequence[Value]]) -> int:

@@ -1,7 +1,7 @@
 """Examines the rows of a block (unit of work): names, types and values of their columns.
 
 The seal of a shard (a stored file of rows) shows damage, but not forgery: whoever has this package
-can seal other rows. So rows are checked when they are read, and also before they are stored.
+can seal other rows. So rows are checked when they are read, as before they are stored.
 """
 
 from __future__ import annotations
@@ -55,28 +55,6 @@ class Setback:
     label: str
     reason: str
     cases: int
-
-
-def require_rows(study: Study, config: Config, rows: object) -> None:
-    """Check, before the rows of a block (unit of work) are stored, that tables can use the rows.
-
-    The needed columns are those of `needed_columns`.
-
-    Raises TypeError if `rows` is not a DataFrame.
-    Raises ValueError if there is no row, a needed column is missing, or a status is unknown.
-    """
-    import pandas as pd
-
-    if not isinstance(rows, pd.DataFrame):
-        raise TypeError(f"the study's rows are a {type(rows).__name__}, not a DataFrame")
-    missing = [name for name in needed_columns(study, config) if name not in rows]
-    if missing:
-        raise ValueError(f"the study's rows have no column {', '.join(missing)}")
-    if not len(rows):
-        raise ValueError("the study gave no row")
-    unknown = sorted(map(repr, set(rows["status"]) - set(STATUSES)))
-    if unknown:
-        raise ValueError(f"status {', '.join(unknown)} is none of {', '.join(STATUSES)}")
 
 
 def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setback]:

@@ -13,6 +13,7 @@ import io
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from hashlib import blake2b
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import pyarrow as pa
@@ -39,18 +40,28 @@ class DamagedShard(Exception):
     """
 
 
-def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
+def encode(
+    key: str, rows: pd.DataFrame, metadata: Mapping[str, str], needed: Needed = MappingProxyType({})
+) -> bytes:
     """Return rows as the bytes of a sealed Parquet file; equal arguments give equal bytes.
 
     key: the key of the block (unit of work) to which the rows belong; it is stored in the file.
     rows: the rows; the index of the frame is not stored.
     metadata: Further entries for the file's metadata, e.g. versions; stored under
         `owtsweep.<name>`.
-    Raises WrongRows if two columns have the same name, or a column holds no text, numbers or flags.
+    needed: the columns that the rows must have, as `rows.needed_columns` returns them.
+    Raises TypeError if the rows are no DataFrame.
+    Raises WrongRows if the rows lack needed columns or hold wrong values, two columns have the same
+        name, or a column holds no text, numbers or flags.
     """
+    import pandas as pd
+
+    if not isinstance(rows, pd.DataFrame):
+        raise TypeError(f"the study's rows are a {type(rows).__name__}, not a DataFrame")
     # Column by column: `Table.from_pandas` takes longer than the rest of this function.
     table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
-    check_columns(table.schema, {})
+    check_columns(table.schema, needed)
+    check_table(table, needed)
     entries = {**metadata, "key": key}
     buffer = io.BytesIO()
     # Uncompressed: pages of a hundred rows would not get smaller, and reading takes half the time.

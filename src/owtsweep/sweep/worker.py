@@ -26,7 +26,7 @@ from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key, list_versions
 from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan
-from owtsweep.sweep.rows import Setback, collect_setbacks, require_rows
+from owtsweep.sweep.rows import Setback, collect_setbacks
 from owtsweep.sweep.shard import encode
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import FAILED, Block, Study
@@ -221,10 +221,9 @@ class _Task:
         result = self.result
         key = block_key(self.work.study, block)
         try:
-            require_rows(self.work.study, self.work.config, rows)
+            data = encode(key, rows, self.work.metadata, self.work.store.needed)
             failed = collect_setbacks(block, rows, FAILED)
             succeeded = block.cases - sum(failure.cases for failure in failed)
-            data = encode(key, rows, self.work.metadata)
             if not self._written(key, data):
                 result.returned.append(Returned(key, block.label, data, succeeded))
         except Exception as error:

@@ -2,30 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import html
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from owtsweep.io import markdown
+from owtsweep.report.document import clean, frame_table, make_document, make_picture
 
-#: The style of the HTML page: plain and printable, without external fonts or files.
-CSS = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
-  padding: 0 1rem; }
-h1, h2, h3 { line-height: 1.2; margin: 2rem 0 .6rem; }
-h2 { border-bottom: 1px solid #ccc; padding-bottom: .2rem; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .85rem; margin: .8rem 0; }
-th, td { border-bottom: 1px solid #ddd; padding: .25rem .6rem; text-align: left;
-  vertical-align: top; }
-th { border-bottom: 2px solid #888; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-td.good { background: #e3f2e6; } td.bad { background: #fbe5dd; } td.open { background: #f3f1e1; }
-figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
-figcaption { font-size: .85rem; color: #555; }
-"""
 #: Text of a table's cell -> CSS class that sets the cell's colour.
 CLASSES = {
     "yes": "good", "reproduced": "good", "consistent": "good", "no": "bad", "not reproduced": "bad",
@@ -92,43 +75,27 @@ def _markdown(block: Block, folder: Path) -> str:
 def to_html(blocks: Sequence[Block], title: str) -> str:
     """Return a document as the text of one HTML file, in which all pictures are embedded."""
     body = "\n".join(_html(block) for block in blocks)
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{html.escape(title)}</title>\n<style>{CSS}</style>\n</head>\n"
-        f"<body>\n{body}\n</body>\n</html>\n"
-    )
+    return make_document(title, f"<main>\n{body}\n</main>")
 
 
 def _html(block: Block) -> str:
     match block:
         case Heading(text, level):
-            return f"<h{level}>{html.escape(text)}</h{level}>"
+            return f"<h{level}>{clean(text)}</h{level}>"
         case Paragraph(text):
-            return f"<p>{html.escape(text)}</p>"
+            return f"<p>{clean(text)}</p>"
         case Bullets(items):
-            return "<ul>\n" + "\n".join(f"<li>{html.escape(item)}</li>" for item in items) + "</ul>"
+            return "<ul>\n" + "\n".join(f"<li>{clean(item)}</li>" for item in items) + "</ul>"
         case Picture(path, caption):
-            data = base64.b64encode(path.read_bytes()).decode()
-            text = html.escape(caption)
-            return (
-                f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
-                f"<figcaption>{text}</figcaption></figure>"
-            )
+            picture = make_picture(path.read_bytes(), caption)
+            return f"<figure>{picture}<figcaption>{clean(caption)}</figcaption></figure>"
         case TextTable(columns, rows, numbers):
-            are_numbers = [column in numbers for column in columns]
-            head = _line("th", columns, are_numbers)
-            body = "\n".join(_line("td", row, are_numbers) for row in rows)
-            return (
-                f'<div class="scroll"><table>\n<thead>{head}</thead>\n'
-                f"<tbody>\n{body}\n</tbody></table></div>"
-            )
+            kinds = ["number" if column in numbers else "" for column in columns]
+            lines = ("".join(map(_cell, row, kinds)) for row in rows)
+            return f'<div class="wide">{frame_table("", columns, lines)}</div>'
 
 
-def _line(tag: str, cells: Sequence[str], are_numbers: Sequence[bool]) -> str:
-    line = ""
-    for text, is_number in zip(cells, are_numbers, strict=True):
-        classes = " ".join(filter(None, ["number" if is_number else "", CLASSES.get(text, "")]))
-        attribute = f' class="{classes}"' if classes else ""
-        line += f"<{tag}{attribute}>{html.escape(text)}</{tag}>"
-    return f"<tr>{line}</tr>"
+def _cell(text: str, kind: str) -> str:
+    classes = f"{kind} {CLASSES.get(text, '')}".strip()
+    attribute = f' class="{classes}"' if classes else ""
+    return f"<td{attribute}>{clean(text)}</td>"
