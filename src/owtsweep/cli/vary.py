@@ -161,14 +161,8 @@ def _put_into_list(key: str, one: Combination) -> Combination:
 
 def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
     """Return the overrides of `defaults` whose key, or a section of it, is in no override."""
-    given = {get_key(word) for word in overrides}
-    kept = []
-    for word in defaults:
-        parts = word.partition("=")[0].split(".")
-        above = {".".join(parts[: n + 1]) for n in range(len(parts))}
-        if not above & given:
-            kept.append(word)
-    return kept
+    given = tuple(f"{get_key(word)}." for word in overrides)
+    return [word for word in defaults if not f"{get_key(word)}.".startswith(given)]
 
 
 def _by_value(key: str, composed: Sequence[tuple[str, Config]]) -> dict[Value, Config]:

@@ -130,31 +130,18 @@ def _draw_curves(
     along: Condition,
     levels: Sequence[Value],
 ) -> None:
-    import seaborn as sns  # takes a second to import
-
-    rows = rows[rows["scheme"].isin(list(schemes))].astype({"scheme": object})
-    place, mean = _place(rows[along.name], levels), rows["mean"]
-    low = rows["ci_low"].clip(lower=LOWEST * mean)
-    # The intervals are those of the table. seaborn makes its own from samples, so each point is
-    # given as three: the median of them is the mean, and all of them span the interval.
-    ends = (mean, low.fillna(mean), rows["ci_high"].fillna(mean))
-    samples = pd.concat(
-        [pd.DataFrame({"scheme": rows["scheme"], "place": place, "error": end}) for end in ends],
-        ignore_index=True,
-    )
-    looks = {name: style_of(name, schemes) for name in schemes}
-    lines = {name: "" if look.line == "-" else look.line[1] for name, look in looks.items()}
-    sns.lineplot(
-        samples, x="place", y="error", hue="scheme", style="scheme", ax=axes, legend=False,
-        hue_order=schemes, style_order=schemes, dashes=lines,
-        palette={name: look.color for name, look in looks.items()},
-        markers={name: look.marker for name, look in looks.items()},
-        estimator="median", errorbar=("pi", 100), err_kws={"linewidth": 0.0},
-        markersize=4.5, markeredgewidth=0.0,
-    )  # fmt: skip
-    for name, look in looks.items():
-        mine = rows["scheme"] == name
-        axes.vlines(place[mine], low[mine], rows["ci_high"][mine], color=look.color, linewidth=1.0)
+    for name in schemes:
+        look, mine = style_of(name, schemes), rows[rows["scheme"] == name]
+        mine = mine.iloc[np.argsort(_place(mine[along.name], levels), kind="stable")]
+        place, mean, high = _place(mine[along.name], levels), mine["mean"], mine["ci_high"]
+        low = mine["ci_low"].clip(lower=LOWEST * mean)
+        axes.plot(
+            place, mean, color=look.color, linestyle=look.line, marker=look.marker,
+            markersize=4.5, markeredgewidth=0.0,
+        )  # fmt: skip
+        ends = low.fillna(mean), high.fillna(mean)
+        axes.fill_between(place, *ends, color=look.color, alpha=0.2, linewidth=0.0)
+        axes.vlines(place, low, high, color=look.color, linewidth=1.0)
 
 
 def _draw_thin(axes: Axes, place: Array, rows: pd.DataFrame, look: SchemeStyle) -> None:

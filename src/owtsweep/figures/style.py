@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.artist import Artist
@@ -165,12 +165,12 @@ def save(
     with context(), warnings.catch_warnings():
         # of a letter that the font lacks, or a name as long as the figure: both are drawn
         warnings.simplefilter("ignore", UserWarning)
-        raster = _render_png(figure, notes)
-        vector = _render_svg(figure, described)
+        raster = _render(figure, RESOLUTION, "png", notes)
+        vector = _render(figure, EMBEDDED_RESOLUTION, "svg", described)
         if len(vector) > SVG_LIMIT:
             # letters as text instead of outlines: smaller, but in the viewer's font
             with mpl.rc_context({"svg.fonttype": "none"}):
-                vector = _render_svg(figure, described)
+                vector = _render(figure, EMBEDDED_RESOLUTION, "svg", described)
     write_all({png: raster, svg: vector})
     return [png, svg]
 
@@ -189,25 +189,12 @@ def _draw_names_as_typed(figure: Figure) -> None:
             text.set_parse_math(False)
 
 
-class _Write(Protocol):
-    """Writes a figure; matplotlib gives the methods of its canvases no types."""
-
-    def __call__(self, target: BytesIO, *, metadata: Mapping[str, str | None]) -> None: ...
-
-
-def _render_png(figure: Figure, notes: Mapping[str, str]) -> bytes:
+def _render(figure: Figure, dpi: int, kind: str, notes: Mapping[str, str | None]) -> bytes:
+    """Return a figure as "png" or "svg"."""
     # `Figure.savefig` draws each figure twice, the first time only to lay it out. The canvas lays
     # the figure out while it draws.
     buffer = BytesIO()
-    figure.dpi = RESOLUTION
-    write: _Write = FigureCanvasAgg(figure).print_png
-    write(buffer, metadata=dict(notes))
-    return buffer.getvalue()
-
-
-def _render_svg(figure: Figure, notes: Mapping[str, str | None]) -> bytes:
-    buffer = BytesIO()
-    figure.dpi = EMBEDDED_RESOLUTION
-    write: _Write = FigureCanvasSVG(figure).print_svg
-    write(buffer, metadata=dict(notes))
+    figure.dpi = dpi
+    canvas = FigureCanvasAgg(figure) if kind == "png" else FigureCanvasSVG(figure)
+    getattr(canvas, f"print_{kind}")(buffer, metadata=dict(notes))
     return buffer.getvalue()

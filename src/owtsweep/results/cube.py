@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -152,12 +153,11 @@ class Cube:
 
         columns = ["scheme", *self.names, "measure", "window", "replicate", "value"]
         parts = []
-        for i in range(len(self.schemes)):
-            for place in self.outer_places():
-                values = self.values(i, place)
-                present = np.nonzero(np.isfinite(values))
-                part = self.label(i, place, present) | {"value": values[present]}
-                parts.append(pd.DataFrame(part, columns=columns))
+        for i, place in product(range(len(self.schemes)), self.outer_places()):
+            values = self.values(i, place)
+            present = np.nonzero(np.isfinite(values))
+            part = self.label(i, place, present) | {"value": values[present]}
+            parts.append(pd.DataFrame(part, columns=columns))
         return join_lines(parts, columns)
 
     @classmethod
