@@ -12,8 +12,8 @@ from owtsweep.cli import DONE
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError, printable, shorten
 from owtsweep.io.reading import expand_home, read_json, require_folder
-from owtsweep.io.tables import read_table
 from owtsweep.sweep.manifest import read_manifest
+from owtsweep.sweep.multirun import read_map
 from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE
 
 #: Folders of runs may lie in folders of multiruns, and those in the folder that is listed.
@@ -141,11 +141,5 @@ def _describe_state(folder: Path, state: str) -> str:
 
 def _count_decided(folder: Path) -> str:
     """Return how many cells of the map are won or tied, of how many; "-" if no table says so."""
-    try:
-        best = read_table(folder, "best_scheme")
-    except InputError:
-        return "-"
-    if not {"criterion", "verdict"} <= {*best.columns} or best.empty:
-        return "-"
-    cells = best[best["criterion"] == best["criterion"].iloc[0]]
-    return f"{int((cells['verdict'] != 'open').sum())} of {len(cells)}"
+    cells = read_map(folder)
+    return "-" if cells is None else f"{int((cells['verdict'] != 'open').sum())} of {len(cells)}"

@@ -6,6 +6,7 @@ contains an interpolation (`${...}`) or an alias (`*name`). `dump_with_units` wr
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
@@ -74,7 +75,7 @@ def read_stored(path: Path) -> tuple[Plain, str]:
         _check_events(text)
         plain = resolved(OmegaConf.load(StringIO(text)), resolve=False)
     require(
-        not any("${" in word for word in _texts(plain)),
+        "${" not in json.dumps(plain, default=str),
         f"{path}: it holds an interpolation (${{...}}); a stored configuration holds values",
     )
     return plain, text
@@ -99,18 +100,6 @@ def _check_events(text: str) -> None:
             mappings <= MOST_MAPPINGS and values <= MOST_VALUES,
             f"it holds more than {MOST_MAPPINGS} mappings or {MOST_VALUES} values",
         )
-
-
-def _texts(value: object) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for name, item in value.items():
-            yield from _texts(name)
-            yield from _texts(item)
-    elif isinstance(value, list):
-        for item in value:
-            yield from _texts(item)
 
 
 def resolved(mapping: object, *, resolve: bool = True) -> Plain:

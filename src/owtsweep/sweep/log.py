@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,11 +23,7 @@ from owtsweep.io.files import unwritable
 MOST_ENTRIES = 50
 
 
-class _Here(threading.local):
-    label = ""
-
-
-_here = _Here()
+_label = ContextVar("label", default="")  # each thread has its own
 _capturing = threading.Lock()
 _captures = 0
 
@@ -50,7 +47,7 @@ def working_on(label: str) -> None:
 
     The label is that of the block (unit of work) that the thread runs; "" shows no label.
     """
-    _here.label = label
+    _label.set(label)
 
 
 @contextmanager
@@ -162,7 +159,7 @@ def _wanted(record: logging.LogRecord) -> bool:
 
 
 def _text(record: logging.LogRecord) -> str:
-    label, text = _here.label, read_message(record)
+    label, text = _label.get(), read_message(record)
     if record.name == "py.warnings":
         text = " ".join(text.split())
     return f"{label}: {text}" if label else text

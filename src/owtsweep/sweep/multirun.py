@@ -11,6 +11,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
@@ -19,6 +20,9 @@ from owtsweep.io.tables import read_table
 from owtsweep.report.several_page import make_multirun_page
 from owtsweep.results.answer import tell_counts
 from owtsweep.sweep.asked import PAGE
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 RECORD = "multirun.json"
 VERSION = 1
@@ -43,11 +47,8 @@ def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedR
     `overrides` are the overrides (key=value) as the user gave them. `runs` are the planned runs in
     the order in which they are to run.
     """
-    content = {
-        "multirun_version": VERSION,
-        "overrides": list(overrides),
-        "runs": [asdict(run) for run in runs],
-    }
+    listed = [asdict(run) for run in runs]
+    content = {"multirun_version": VERSION, "overrides": list(overrides), "runs": listed}
     write_atomically(folder / RECORD, json.dumps(content, indent=2) + "\n")
 
 
@@ -139,16 +140,9 @@ def write_page(folder: Path, planned: Sequence[PlannedRun], outcomes: Sequence[J
     keys = list(dict.fromkeys(key for run in planned for key in run.values))
     rows, links = [], []
     for outcome in outcomes:
-        given = values.get(outcome.folder, {})
-        state = outcome.reason or "done"
-        rows.append(
-            [
-                outcome.folder,
-                *(given.get(key, "") for key in keys),
-                *_tell_verdicts(folder / outcome.folder),
-                state,
-            ]
-        )
+        given = [values.get(outcome.folder, {}).get(key, "") for key in keys]
+        verdicts = _tell_verdicts(folder / outcome.folder)
+        rows.append([outcome.folder, *given, *verdicts, outcome.reason or "done"])
         there = (folder / outcome.folder / PAGE).is_file()
         links.append(f"{outcome.folder}/{PAGE}" if there else "")
     header = ["run", *keys, "judged by", "best", "error of the best", "outcome"]
@@ -158,15 +152,25 @@ def write_page(folder: Path, planned: Sequence[PlannedRun], outcomes: Sequence[J
 
 def _tell_verdicts(run: Path) -> list[str]:
     """Return by what a run is judged, who is best in how many cells, and the range of the error."""
-    try:
-        best = read_table(run, "best_scheme")
-    except InputError:  # no case has succeeded, or the study makes no such table
+    shown = read_map(run)
+    if shown is None:
         return ["", "", ""]
-    if not len(best) or "error_best" not in best:
-        return ["", "", ""]
-    criterion = str(best["criterion"].iloc[0])
-    shown = best[best["criterion"] == criterion]
     parts = shown.groupby("tuning", sort=False) if "tuning" in shown else [("", shown)]
     told = [f"{tuning}: {tell_counts(cells)}".removeprefix(": ") for tuning, cells in parts]
     low, high = shown["error_best"].min(), shown["error_best"].max()
-    return [criterion, " ".join(told), f"{low:.3g} to {high:.3g}"]
+    return [str(shown["criterion"].iloc[0]), " ".join(told), f"{low:.3g} to {high:.3g}"]
+
+
+def read_map(run: Path) -> pd.DataFrame | None:
+    """Return the lines of a run's best_scheme.csv by its first criterion; None if there are none.
+
+    Then no case has succeeded, or the study makes no such table.
+    """
+    try:
+        best = read_table(run, "best_scheme")
+    except InputError:
+        return None
+    if best.empty or not {"criterion", "verdict", "error_best"} <= {*best.columns}:
+        return None
+    first: pd.DataFrame = best[best["criterion"] == best["criterion"].iloc[0]]
+    return first

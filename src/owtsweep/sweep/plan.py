@@ -121,13 +121,8 @@ def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
         ]
         for key, block in plan.items()
     ]  # fmt: skip
-    content = {
-        "versions": list_versions(study),
-        "config_digest": digest(text),
-        "code": study.describe_code(config),
-        "blocks": blocks,
-    }
-    return json.dumps(content)
+    head = {"versions": list_versions(study), "config_digest": digest(text)}
+    return json.dumps({**head, "code": study.describe_code(config), "blocks": blocks})
 
 
 def digest(text: str) -> str:

@@ -244,15 +244,11 @@ class Run:
     def table(self, name: str) -> pd.DataFrame:
         """Read the table `<name>.csv` of the run.
 
+        Of one tuning of several, it has the lines of this tuning, without the column `tuning`.
+
         Raises InputError if the run has no table of this name, or the file is damaged.
         """
-        return self._choose_lines(read_table(self.place, name))
-
-    def _choose_lines(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Return the lines of this run's tuning, without the column `tuning`.
-
-        A run that is no part of another keeps all lines and columns.
-        """
+        table = read_table(self.place, name)
         if not self.tuning or "tuning" not in table:
             return table
         lines = table[table["tuning"] == self.tuning]

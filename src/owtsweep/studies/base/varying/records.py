@@ -198,16 +198,15 @@ def _gather(
     records: int,
 ) -> _Values:
     """Return the errors by a criterion; `tables` are those of the cubes at each value."""
-    values = np.full((len(names), len(tables), len(cells), records), np.nan)
-    for v, table in enumerate(tables):
+    labels = ["scheme", *cells[0]]
+    every = [(name, *cell.values()) for name in names for cell in cells]
+    of_values = []
+    for table in tables:
         chosen = table[(table["measure"] == measure) & (table["window"] == WINDOW)]
-        for c, cell in enumerate(cells):
-            here = chosen[np.all([chosen[axis] == at for axis, at in cell.items()], axis=0)]
-            for name, record, value in zip(
-                here["scheme"], here["replicate"], here["value"], strict=True
-            ):
-                values[names.index(name), v, c, int(record)] = value
-    judged = criterion.judge(values)
+        wide = chosen.pivot(index=labels, columns="replicate", values="value")
+        filled = wide.reindex(index=pd.MultiIndex.from_tuples(every), columns=range(records))
+        of_values.append(filled.to_numpy(dtype=float).reshape(len(names), len(cells), records))
+    judged = criterion.judge(np.stack(of_values, axis=1))
     with np.errstate(invalid="ignore", divide="ignore"):
         mean, error, n = mean_and_error(judged)
         reach = t_quantile(n - 1) * error
