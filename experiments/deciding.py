@@ -42,6 +42,7 @@ from scipy.stats import t
 import owtsweep
 from experiments.command import show, write
 from owtsweep.arrays import Array
+from owtsweep.results.conditions import spread
 from owtsweep.results.cube import Cube
 from owtsweep.results.verdicts import Asked, _find_run, list_cells
 from owtsweep.statistics.contest import agree, group_coinciding
@@ -167,7 +168,7 @@ def read_map(run: Run) -> tuple[Cube, pd.DataFrame, Asked]:
     from owtsweep.studies.base import tables
 
     contest, ranks = run.engine.contest, run.engine.rank(config)
-    rows = tables.spread_all(contest, config, rows)
+    rows = spread(rows, contest.get_grid(config))
     cube = tables.make_cube(contest, config, rows, tables.list_competing(config, rows))
     return cube, rows, tables.ask(contest, config, ranks)
 

@@ -22,10 +22,10 @@ import pandas as pd
 import owtsweep
 from experiments.command import read_words, write
 from owtsweep.arrays import Array
+from owtsweep.results.conditions import spread
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.statistics.inference import percentile_interval, resample_means
 from owtsweep.streams import encode_value
-from owtsweep.studies.base.tables import spread
 
 FACTORS = [0.5, 0.63, 0.8, 0.9, 0.95, 0.98, 1.0, 1.02, 1.05, 1.1, 1.25, 1.6, 2.0]
 SENSORS = ("sparse_theta_a", "dry")

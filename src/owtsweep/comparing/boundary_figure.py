@@ -121,15 +121,10 @@ def _draw_panel(
                 )
         drawn = np.clip(line, *edges)
         dashes, label = "-" if joined else "none", style.label_of(name)
-        axes.plot(
-            x, drawn, linewidth=1.4, linestyle=dashes, label=label,
-            color=color, zorder=3, marker=marker, markersize=5,
-        )  # fmt: skip
+        mark: style.Look = {"color": color, "zorder": 3, "marker": marker, "markersize": 5}
+        axes.plot(x, drawn, linewidth=1.4, linestyle=dashes, label=label, **mark)
         outside = np.where(drawn == line, np.nan, drawn)
-        axes.plot(
-            x, outside, linestyle="none", markerfacecolor="white",
-            color=color, zorder=3, marker=marker, markersize=5,
-        )  # fmt: skip
+        axes.plot(x, outside, linestyle="none", markerfacecolor="white", **mark)
 
 
 def _say_why_empty(

@@ -65,12 +65,10 @@ def compare(
 def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
     """Join the tables of the runs that have one; the first columns are folder and swept values."""
     return pd.DataFrame(
-        [
-            {"folder": run.name} | run.written | row
-            for run, table in zip(runs, tables, strict=True)
-            if table is not None
-            for row in table.to_dict("records")
-        ]
+        {"folder": run.name} | run.written | row
+        for run, table in zip(runs, tables, strict=True)
+        if table is not None
+        for row in table.to_dict("records")
     )
 
 

@@ -126,6 +126,19 @@ def select(table: pd.DataFrame, at: Mapping[str, Value]) -> pd.DataFrame:
     return table
 
 
+def spread(table: pd.DataFrame, grid: Grid) -> pd.DataFrame:
+    """Repeat each row without a value of a condition of `grid` at every value that it has there."""
+    import pandas as pd
+
+    for name, values in grid.items():
+        free = table[name].isna()
+        if free.any():
+            every = pd.DataFrame({name: values}, dtype=float)
+            repeated = table[free].drop(columns=name).merge(every, how="cross")
+            table = pd.concat([table[~free], repeated[table.columns]], ignore_index=True)
+    return table
+
+
 def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[object]]) -> pd.DataFrame:
     """Return a table sorted by some of its columns.
 

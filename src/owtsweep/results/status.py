@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from owtsweep.results.conditions import Condition, Grid, spread
+
 if TYPE_CHECKING:
     import pandas as pd
-
-    from owtsweep.results.conditions import Condition, Grid
 
 #: The case has a result.
 OK = "ok"
@@ -34,11 +34,8 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
     if left.empty:
         return pd.DataFrame(columns=[*keys, "reason"])
     left = left[[*keys, "reason"]].astype({"scheme": object, "reason": object})
-    last = conditions[-1]
-    if last.expands:
-        everywhere = left[left[last.name].isna()].drop(columns=last.name)
-        every = everywhere.merge(pd.DataFrame({last.name: list(grid[last.name])}), how="cross")
-        left = pd.concat([left[left[last.name].notna()], every[left.columns]])
+    if conditions[-1].expands:
+        left = spread(left, {keys[-1]: grid[keys[-1]]})
     return left.drop_duplicates(keys, ignore_index=True)
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import Records, check_estimates
-from owtsweep.studies.base.contract import NotFinite, Scheme, Unable
+from owtsweep.studies.base.contract import NotFinite, Scheme, Unable, identify
 from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.studies.hub import public as hub
 from owtsweep.testing.hub_schemes import check_hub_scheme
@@ -74,7 +73,8 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
             second = scheme.prepare(part.known).run(deepcopy(part.measured))
         except Unable:
             continue
-        assert _equal(given, part.measured), f"{name}: run changes the measurements"
+        unchanged = identify(given) == identify(part.measured)
+        assert unchanged, f"{name}: run changes the measurements"
         try:
             for each in (first, second):
                 check_estimates(declaration, each, declaration.count_samples(record))
@@ -87,18 +87,3 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
                 f"{name}: {field} differs from run to run; keep no state in the scheme, and draw "
                 "no random numbers"
             )
-
-
-def _equal(one: Any, other: Any) -> bool:
-    """Return whether two measurements, arrays or dataclasses of arrays, are equal bit for bit."""
-    if not is_dataclass(one):
-        return bool(np.array_equal(one, other, equal_nan=True))
-    return all(
-        np.array_equal(value, getattr(other, key), equal_nan=_is_float(value))
-        for key, value in vars(one).items()
-        if isinstance(value, np.ndarray)
-    )
-
-
-def _is_float(value: np.ndarray) -> bool:
-    return np.issubdtype(value.dtype, np.floating)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from owtsweep.figures.drawings import save_figure
-from owtsweep.io.files import write_atomically
+from owtsweep.io.files import write_all
 from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.verdicts.claims_file import ClaimsFile
@@ -69,13 +69,9 @@ def write_report(
         pictures[stem] = saved[0]
         files += saved
     blocks = contents(pictures)
-    for path, text in {
-        folder / "fidelity.md": to_markdown(blocks, folder),
-        folder / "fidelity.html": to_html(blocks, title),
-    }.items():
-        write_atomically(path, text)
-        files.append(path)
-    return files
+    markdown, html = folder / "fidelity.md", folder / "fidelity.html"
+    write_all({markdown: to_markdown(blocks, folder), html: to_html(blocks, title)})
+    return [*files, markdown, html]
 
 
 def write_verdicts(
@@ -132,17 +128,12 @@ def short_section(
     statements: Sequence[JudgedStatement], goals: Sequence[JudgedStatement] = ()
 ) -> list[Block]:
     """Make the section that counts verdicts on statements and on goals."""
-    lists = {"Statements": statements, "Goals": goals}
-    return [
-        Heading("In short"),
-        Bullets(
-            [
-                f"{kind} {judged[0].name}-{judged[-1].name}: {count_verdicts(judged)}."
-                for kind, judged in lists.items()
-                if judged
-            ]
-        ),
+    counted = [
+        f"{kind} {judged[0].name}-{judged[-1].name}: {count_verdicts(judged)}."
+        for kind, judged in (("Statements", statements), ("Goals", goals))
+        if judged
     ]
+    return [Heading("In short"), Bullets(counted)]
 
 
 def goal_section(goals: Sequence[JudgedStatement]) -> list[Block]:

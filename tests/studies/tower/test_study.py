@@ -14,8 +14,8 @@ from rich.console import Console
 from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
+from owtsweep.results.conditions import spread as spread_axis
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.tables import spread as spread_axis
 from owtsweep.studies.tower.contest import describe_noise
 from owtsweep.studies.tower.setting import misjudge
 from owtsweep.sweep.plan import make_plan

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Generic
 import pandas as pd
 
 from owtsweep.figures.drawings import Drawing
+from owtsweep.results.conditions import spread
 from owtsweep.results.contents import Contents
 from owtsweep.results.regret import Judged, make_regret
 from owtsweep.studies.base import maps, tables
@@ -50,7 +51,7 @@ class ContestEngine(Engine, Generic[C]):
         """Return the next look; None if all cells are decided or have most records."""
         if not config.grid.decides:
             return None
-        rows = tables.spread(rows, self.contest.get_grid(config))
+        rows = spread(rows, self.contest.get_grid(config))
         cube = tables.make_cube(self.contest, config, rows, tables.list_competing(config, rows))
         asked = tables.ask(self.contest, config, self.rank(config))
         cells = self.contest.list_cells(config)

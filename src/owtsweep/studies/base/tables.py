@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import pandas as pd
 
 from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.conditions import spread
 from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.summary import summarise
@@ -59,17 +60,6 @@ def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Seque
         contest.get_grid(config),
         measures=contest.measures,
     )
-
-
-def spread(rows: pd.DataFrame, grid: Mapping[str, Sequence[float]]) -> pd.DataFrame:
-    """Repeat each row without a value of an axis, which its scheme ignores, at every value."""
-    for axis, values in grid.items():
-        free = rows[axis].isna()
-        if free.any():
-            every = pd.DataFrame({axis: values}, dtype=float)
-            repeated = rows[free].drop(columns=axis).merge(every, how="cross")
-            rows = pd.concat([rows[~free], repeated[rows.columns]], ignore_index=True)
-    return rows
 
 
 def find_latencies(rows: pd.DataFrame) -> dict[str, float]:
