@@ -97,10 +97,11 @@ def _describe(folder: Path, name: str) -> _Line:
     """Return the line on a run, which may be another person's; its values are taken as texts."""
     config: Mapping[str, object] = {}
     manifest: Mapping[str, object] = {}
-    decided = "-"
+    decided = "-"  # how many cells of the map are won or tied, of how many
     try:
         config, _ = read_stored(folder / "config.yaml")
-        decided = _count_decided(folder)
+        if (cells := read_map(folder)) is not None:
+            decided = f"{int((cells['verdict'] != 'open').sum())} of {len(cells)}"
         manifest = read_manifest(folder)
         state = _describe_state(folder, str(manifest.get("state")))
     except InputError as error:
@@ -137,9 +138,3 @@ def _describe_state(folder: Path, state: str) -> str:
         running = ", running or killed" if state == "running" else ""
         return f"{missing} of {sum(cases.values())} cases missing{running}"
     return "finished" if state == "done" else f"all cases there, but {state}"
-
-
-def _count_decided(folder: Path) -> str:
-    """Return how many cells of the map are won or tied, of how many; "-" if no table says so."""
-    cells = read_map(folder)
-    return "-" if cells is None else f"{int((cells['verdict'] != 'open').sum())} of {len(cells)}"

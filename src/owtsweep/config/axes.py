@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, TypeVar, get_args, get_origin
+from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
+
+from owtsweep.config.section import list_marks
 
 ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
 #: A range with more points than this is refused as a typing error.
@@ -56,9 +58,7 @@ Axis = Annotated[
 
 def is_axis(field: FieldInfo) -> bool:
     """Return whether a key's type is an `Axis`, or an `Axis` or null."""
-    marks = [*field.metadata]
-    for kind in get_args(field.annotation):
-        marks += get_args(kind)[1:] if get_origin(kind) is Annotated else []
+    marks = list_marks(field)
     return any(isinstance(mark, BeforeValidator) and mark.func is expand for mark in marks)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
 from owtsweep.config.axes import is_axis
-from owtsweep.config.section import bare_type, is_section, item_type, read_facts
+from owtsweep.config.section import bare_type, is_section, item_type, list_marks, read_facts
 
 TYPES: dict[Any, str] = {
     bool: "true or false", str: "text", int: "whole number", float: "number", Literal: "choice",
@@ -73,7 +73,7 @@ def _bounds(field: FieldInfo) -> Iterator[str]:
     kind = bare_type(field.annotation)
     if get_origin(kind) is Literal:
         yield from map(str, get_args(kind))
-    marks = [*field.metadata, *_nested(field.annotation)]
+    marks = list_marks(field)
     limits = {name: getattr(m, name) for m in marks for name in LIMITS if hasattr(m, name)}
     lengths = limits.pop("min_length", None), limits.pop("max_length", None)
     if lengths[0] is not None:
@@ -81,14 +81,6 @@ def _bounds(field: FieldInfo) -> Iterator[str]:
     yield from (f"{LIMITS[name]} {limit}" for name, limit in limits.items())
     if not limits and any(getattr(m, "allow_inf_nan", None) is False for m in marks):
         yield "finite"
-
-
-def _nested(annotation: Any) -> Iterator[Any]:
-    """Yield pydantic's bounds that stand inside a type, e.g. the bounds of a list's items."""
-    for argument in get_args(annotation):
-        yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
-    if get_origin(annotation) is Annotated:
-        yield from annotation.__metadata__
 
 
 def _show(value: Any) -> str | None:

@@ -6,7 +6,7 @@ A section is a frozen pydantic model. Each field of the model is a configuration
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from types import UnionType
 from typing import Annotated, Any, TypeGuard, Union, get_args, get_origin
 
@@ -115,6 +115,18 @@ def read_facts(field: FieldInfo) -> dict[str, str]:
     extra = field.json_schema_extra
     given = extra if isinstance(extra, dict) else {}
     return {fact: str(given.get(fact, none)) for fact, none in NO_FACTS.items()}
+
+
+def list_marks(field: FieldInfo) -> list[Any]:
+    """Return the bounds and validators of a key, also those inside its type: of a list's items."""
+    return [*field.metadata, *_nested(field.annotation)]
+
+
+def _nested(annotation: Any) -> Iterator[Any]:
+    for argument in get_args(annotation):
+        yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
+    if get_origin(annotation) is Annotated:
+        yield from annotation.__metadata__
 
 
 def bare_type(annotation: object) -> object:

@@ -6,7 +6,7 @@ marks what the data do not distinguish.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from string import ascii_uppercase
@@ -23,6 +23,7 @@ from rich.text import Text
 from owtsweep.figures import margin
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane, Row
+from owtsweep.io.parted_table import break_columns
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import show_error
 
@@ -137,8 +138,8 @@ class _Map:
             (column, line): self._make_cell(row, shaded, widths[column])
             for (column, line), row in self.rows.items()
         }
-        for columns in self._break_columns(options.max_width):
-            yield self._make_table(cells, columns)
+        for _, *columns in break_columns([self._outer_width(), *widths], options.max_width, gap=1):
+            yield self._make_table(cells, [column - 1 for column in columns])
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         widths = self._column_widths()
@@ -154,19 +155,6 @@ class _Map:
 
     def _sign_width(self) -> int:
         return max(cell_len(line) for lines in self.signs.values() for line in lines)
-
-    def _break_columns(self, width: int) -> Iterator[list[int]]:
-        room = 0
-        columns: list[int] = []
-        for column, wide in enumerate(self._column_widths()):
-            if columns and wide + 1 > room:
-                yield columns
-                columns = []
-            if not columns:
-                room = width - self._outer_width()
-            columns.append(column)
-            room -= wide + 1
-        yield columns
 
     def _headers(self) -> list[str]:
         return [self.plane.across.show(value) for value in self.plane.columns]

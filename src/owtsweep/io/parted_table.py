@@ -49,7 +49,7 @@ class PartedTable:
         widths = self._widths()
         if self.title:
             yield Text(self.title, style="bold")
-        for part in self._break_columns(widths, options.max_width):
+        for part in break_columns(widths, options.max_width, repeated=self.repeated):
             table = Table(
                 box=box.SIMPLE_HEAD, show_edge=False, padding=(0, GAP - 1, 0, 0), header_style=""
             )
@@ -75,13 +75,20 @@ class PartedTable:
             max(map(cell_len, (*heading.split(), *cells)), default=1) for heading, *cells in columns
         ]
 
-    def _break_columns(self, widths: Sequence[int], room: int) -> Iterator[list[int]]:
-        first = list(range(self.repeated))
-        part = list(first)
-        for column in range(self.repeated, len(widths)):
-            taken = sum(widths[other] + GAP for other in [*part, column]) - 1
-            if taken > room and len(part) > len(first):
-                yield part
-                part = list(first)
-            part.append(column)
-        yield part
+
+def break_columns(
+    widths: Sequence[int], room: int, *, repeated: int = 1, gap: int = GAP
+) -> Iterator[list[int]]:
+    """Yield the columns of each part of a table that fits into `room`, one column at least.
+
+    Each part begins with the first `repeated` columns; `gap` spaces stand between two.
+    """
+    first = list(range(repeated))
+    part = list(first)
+    for column in range(repeated, len(widths)):
+        taken = sum(widths[other] + gap for other in [*part, column]) - 1
+        if taken > room and len(part) > repeated:
+            yield part
+            part = list(first)
+        part.append(column)
+    yield part

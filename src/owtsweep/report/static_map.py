@@ -6,13 +6,12 @@ The scripts of the page fill the same cells with other numbers; they draw no map
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from typing import NamedTuple
 
-from owtsweep.errors import printable
 from owtsweep.figures.margin import fill_cell, ratio_of
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Row
+from owtsweep.report.document import clean
 from owtsweep.results.conditions import Condition, Grid, Value, select, show_value
 from owtsweep.results.contents import Contents
 from owtsweep.results.criteria import show_error
@@ -97,7 +96,7 @@ def draw(contents: Contents) -> str:
     return (
         f'<svg class="map" viewBox="0 {-top} {side + 4} {bottom + BELOW + top}" '
         f'width="{side + 4}" height="{bottom + BELOW + top}" role="group" '
-        f'aria-label="{_clean(name)}">'
+        f'aria-label="{clean(name)}">'
         '<defs><pattern id="hatch" width="6" height="6" patternUnits="userSpaceOnUse" '
         'patternTransform="rotate(45)"><path d="M0 0V6" stroke="#000000" stroke-opacity=".4" '
         'stroke-width="1.5"/></pattern></defs>' + "".join(parts) + "</svg>"
@@ -128,13 +127,13 @@ def _draw_cell(
         color, middle = text_color_on(fill), x + width // 2 - 1
         parts += [
             f'<text class="{name}" x="{middle}" y="{y + LINE * n}" text-anchor="middle" '
-            f'fill="{color}">{_clean(text)}</text>'
+            f'fill="{color}">{clean(text)}</text>'
             for n, (name, text) in enumerate(
                 zip(("best", "error", "next"), texts, strict=True), start=1
             )
         ]
     return (
-        f'<g class="cell" id="c{i}-{j}"><title>{_clean(where)}: {_clean(told)}</title>'
+        f'<g class="cell" id="c{i}-{j}"><title>{clean(where)}: {clean(told)}</title>'
         + "".join(parts)
         + "</g>"
     )
@@ -158,16 +157,12 @@ def _name_cell(layout: Layout, column: Value, line: Value) -> str:
 
 
 def _write(x: int, y: int, anchor: str, text: str, kind: str = "tick") -> str:
-    return f'<text class="{kind}" x="{x}" y="{y}" text-anchor="{anchor}">{_clean(text)}</text>'
+    return f'<text class="{kind}" x="{x}" y="{y}" text-anchor="{anchor}">{clean(text)}</text>'
 
 
 def _shorten(value: Value, most: int = MOST_LABEL) -> str:
     text = show_value(value)
     return text if len(text) <= most else f"{text[: most - 1]}…"
-
-
-def _clean(text: str) -> str:
-    return escape(printable(text))
 
 
 def list_legend(contents: Contents) -> Mapping[str, str]:

@@ -229,6 +229,8 @@ def _describe(
         best_name = cell.names[best]
         return best_name if best_name in among else min(known, key=means.__getitem__, default="")
 
+    pair = compared.get(second, _Pair(np.nan, np.nan, np.nan))
+    scale = _scale(mean, pair)
     line: dict[str, object] = {
         "verdict": decision.verdict,
         "best": cell.names[best],
@@ -244,14 +246,10 @@ def _describe(
         "mse_best": mean,
         "mse_runner_up": others.get(second, np.nan),
         "distinguishable": decision.verdict == "won",
-        **dict.fromkeys(("difference", "ci_low", "ci_high"), np.nan),
+        "difference": pair.difference * scale,
+        "ci_low": (pair.difference - pair.half) * scale,
+        "ci_high": (pair.difference + pair.half) * scale,
     }
-    if second >= 0:
-        pair = compared[second]
-        scale = _scale(mean, pair)
-        line["difference"] = pair.difference * scale
-        line["ci_low"] = (pair.difference - pair.half) * scale
-        line["ci_high"] = (pair.difference + pair.half) * scale
     if baselines:
         line["baseline"] = name = choose([name for name in cell.names if name in baselines])
         line["error_baseline"] = float(criterion.express(means.get(name, np.nan)))

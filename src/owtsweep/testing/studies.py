@@ -24,6 +24,7 @@ from owtsweep.config import Config, Plain, Section, as_mapping, with_values
 from owtsweep.config.records import CONTEST_KEYS
 from owtsweep.config.section import bare_type
 from owtsweep.errors import InputError
+from owtsweep.results.best_scheme import VERDICT_COLUMNS
 from owtsweep.studies import compose
 from owtsweep.sweep.plan import count_cases, make_plan, make_tasks
 from owtsweep.sweep.run import sweep
@@ -32,13 +33,7 @@ from owtsweep.sweep.study import FAILED, OK, UNABLE, Study
 
 #: Columns of the tables `summary` and `best_scheme`: those before and after the conditions.
 SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
-BEST_SCHEME = (
-    (),
-    (
-        "criterion", "window", "best", "runner_up", "mse_best", "mse_runner_up", "difference",
-        "ci_low", "ci_high", "distinguishable",
-    ),
-)  # fmt: skip
+BEST_SCHEME = ((), VERDICT_COLUMNS)
 #: Further columns of both tables, present if a scheme has no value in some cells of the grid.
 SETBACK = ("status", "reason")
 #: Keys that are not varied: `grid` and `schemes` only select blocks; the others have one value.

@@ -9,13 +9,22 @@ from typing import TYPE_CHECKING, Generic
 
 import pandas as pd
 
-from owtsweep.figures.drawings import Drawing
+from owtsweep.figures.drawings import Drawing, save_figure
+from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.conditions import spread
 from owtsweep.results.contents import Contents
 from owtsweep.results.regret import Judged, make_regret
+from owtsweep.results.status import FAILED
 from owtsweep.studies.base import maps, tables
 from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
-from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, ContestConfig
+from owtsweep.studies.base.contest import (
+    WINDOW,
+    AnyContest,
+    C,
+    Contest,
+    ContestConfig,
+    describe_draws,
+)
 from owtsweep.studies.base.costs import predict
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.base.looks import plan_look
@@ -24,6 +33,10 @@ from owtsweep.sweep.study import Block, Engine, Look
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
+
+#: Letters of the lines above a map that fit into an inch.
+LETTERS_PER_INCH = 9.5
 
 
 class ContestEngine(Engine, Generic[C]):
@@ -67,9 +80,46 @@ class ContestEngine(Engine, Generic[C]):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> dict[str, Drawing]:
-        """Return the map of each criterion, and the errors of single records."""
+        """Return name -> function that draws: "map_<criterion>" of each criterion, "distributions".
+
+        The latter shows single records, if there are several, by the key `criterion`.
+        """
+        from owtsweep.figures import best_scheme_map, distributions, regret_map
+
+        contest = self.contest
+        origin = (
+            f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.\n"
+            f"Sensors: {contest.describe_sensors(config)}."
+        )
+        save = partial(save_figure, metadata=metadata, origin=origin, letters=LETTERS_PER_INCH)
+        cube = make_cube(contest, config, rows, list_competing(config, rows))
+        conditions, records = contest.find_conditions(config), config.grid.describe_records()
         contenders = self.rank(config) if config.grid.decides else ()
-        return maps.list_maps(self.contest, config, tables, rows, metadata, contenders)
+        notes = [*maps.tell_unable(cube.unable), *maps.tell_latencies(config, rows)]
+        failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
+        drawings = {
+            f"map_{name}": save(
+                partial(
+                    best_scheme_map.draw, tables["best_scheme"], cube.schemes, conditions,
+                    criterion=name, window=WINDOW, tuning=config.tuning_name,
+                    quantity=criterion.title, coinciding=find_coinciding(cube, [name], contenders),
+                    records=records, failures=failures, notes=notes,
+                )
+            )
+            for name, criterion in contest.criteria.items()
+            if name in set(tables["best_scheme"]["criterion"])
+        }  # fmt: skip
+        regret = regret_map.list_maps(tables, cube.schemes, conditions, config.tuning_name, records)
+        drawings |= {name: save(draw) for name, draw in regret.items()}
+        if config.grid.first >= distributions.LEAST_RECORDS:
+            title = f"Errors of single records by {contest.criteria[config.criterion].title}"
+            drawings[distributions.NAME] = save(
+                partial(
+                    distributions.draw, cube, config.criterion, WINDOW,
+                    title=title, tuning=config.tuning_name, label="error",
+                )
+            )  # fmt: skip
+        return drawings
 
     def terminal(self, config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map by the key `criterion`, and who wins by each one."""

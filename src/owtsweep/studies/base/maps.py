@@ -2,76 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten, tell_counts
-from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.regret import tell_regret
-from owtsweep.results.status import FAILED
 from owtsweep.studies.base.contest import WINDOW, C, Contest, ContestConfig, describe_draws
 from owtsweep.studies.base.schemes import list_names
-from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
+from owtsweep.studies.base.tables import find_latencies, list_competing
 from owtsweep.studies.registry import list_schemes
-
-#: Letters of the lines above a map that fit into an inch.
-LETTERS_PER_INCH = 9.5
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
-
-
-def list_maps(
-    contest: Contest[C],
-    config: C,
-    tables: Mapping[str, pd.DataFrame],
-    rows: pd.DataFrame,
-    metadata: Mapping[str, str],
-    contenders: Sequence[str] = (),
-) -> dict[str, Drawing]:
-    """Return name -> function that draws: "map_<criterion>" of each criterion, "distributions".
-
-    The latter shows single records, if there are several, by the key `criterion`. `contenders`
-    names the schemes, the simplest first, if cells get records until they are decided.
-    """
-    from owtsweep.figures import best_scheme_map, distributions, regret_map
-
-    origin = (
-        f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.\n"
-        f"Sensors: {contest.describe_sensors(config)}."
-    )
-    save = partial(save_figure, metadata=metadata, origin=origin, letters=LETTERS_PER_INCH)
-    cube = make_cube(contest, config, rows, list_competing(config, rows))
-    conditions, records = contest.find_conditions(config), config.grid.describe_records()
-    notes = [*tell_unable(cube.unable), *tell_latencies(config, rows)]
-    failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
-    drawings = {
-        f"map_{name}": save(
-            partial(
-                best_scheme_map.draw, tables["best_scheme"], cube.schemes, conditions,
-                criterion=name, window=WINDOW, tuning=config.tuning_name, quantity=criterion.title,
-                coinciding=find_coinciding(cube, [name], contenders), records=records,
-                failures=failures, notes=notes,
-            )
-        )
-        for name, criterion in contest.criteria.items()
-        if name in set(tables["best_scheme"]["criterion"])
-    }  # fmt: skip
-    of_regret = regret_map.list_maps(tables, cube.schemes, conditions, config.tuning_name, records)
-    drawings |= {name: save(draw) for name, draw in of_regret.items()}
-    if config.grid.first >= distributions.LEAST_RECORDS:
-        title = f"Errors of single records by {contest.criteria[config.criterion].title}"
-        drawings[distributions.NAME] = save(
-            partial(
-                distributions.draw, cube, config.criterion, WINDOW,
-                title=title, tuning=config.tuning_name, label="error",
-            )
-        )  # fmt: skip
-    return drawings
 
 
 def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
