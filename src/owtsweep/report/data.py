@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -62,31 +63,17 @@ def make_part(
     cube, floats, grid = contents.cube, _Floats(), get_grid(contents)
     names = [name for name in contents.criteria if name in cube.measures]
     means_only = exact or math.prod(len(levels) for levels in cube.levels) > MOST_CELLS
-    gathered = {
-        name: {
-            window: gather_records(cube, name, contents.criteria[name], window)
-            for window in cube.windows
-        }
-        for name in names
-    }
-    looks = {
-        name: {
-            window: [
-                [_pack(look, floats) for look in find_looks(of_cell, means_only=means_only)]
-                for of_cell in values
-            ]
-            for window, values in by_window.items()
-        }
-        for name, by_window in gathered.items()
-    }
-    counts = {
-        look[0]
-        for by_window in looks.values()
-        for cells in by_window.values()
-        for of_cell in cells
-        for look in of_cell
-    }
-    records = None if details is None else _pack_records(gathered, floats)
+    looks: dict[str, dict[str, object]] = {name: {} for name in names}
+    records: dict[str, dict[str, object]] = {name: {} for name in names}
+    counts: set[int] = set()
+    for name, window in product(names, cube.windows):
+        values = gather_records(cube, name, contents.criteria[name], window)
+        found = [find_looks(of_cell, means_only=means_only) for of_cell in values]
+        looks[name][window] = [[_pack(look, floats) for look in of_cell] for of_cell in found]
+        counts |= {look.records for of_cell in found for look in of_cell}
+        if details is not None:
+            shown = values[..., :MOST_RECORDS]
+            records[name][window] = [floats.add(shown), *shown.shape]
     layout = choose_axes(contents.conditions, grid)
     return {
         "tuning": tuning,
@@ -114,7 +101,7 @@ def make_part(
         "looks": looks,
         "floats": floats.encode(),
         "details": details,
-        "records": records,
+        "records": None if details is None else records,
         "help": help,
         "t": {count: float(t_quantile(count - 1)) for count in sorted(counts) if count > 1},
     }
@@ -122,20 +109,6 @@ def make_part(
 
 def _list_facts(thing: object, *names: str) -> dict[str, object]:
     return {name: getattr(thing, name) for name in names}
-
-
-def _pack_records(
-    gathered: Mapping[str, Mapping[str, Array]], floats: _Floats
-) -> dict[str, dict[str, list[int]]]:
-    """Return criterion -> window -> place of the first number, then the shape of the numbers."""
-
-    def pack(values: Array) -> list[int]:
-        return [floats.add(values), *values.shape]
-
-    return {
-        name: {window: pack(values[..., :MOST_RECORDS]) for window, values in by_window.items()}
-        for name, by_window in gathered.items()
-    }
 
 
 def _pack(look: Look, floats: _Floats) -> tuple[int, list[int], int, int]:

@@ -6,7 +6,7 @@ import os
 from math import isfinite
 from pathlib import Path
 
-from owtsweep.config import Config, Plain, as_mapping, require
+from owtsweep.config import Config, Plain, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json
 
@@ -72,7 +72,4 @@ def without_places(config: Config) -> Plain:
     A run may be published. So the run's manifest names no results folder and no scheduler's
     address.
     """
-    whole = as_mapping(config)
-    del whole["results"]
-    whole["compute"] = {k: v for k, v in whole["compute"].items() if k != "scheduler"}
-    return whole
+    return config.model_dump(exclude={"results": True, "compute": {"scheduler"}}, warnings=False)
