@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -189,12 +189,14 @@ def swept_keys(
     order = {key: place for place, key in enumerate(preferred)}
     # Top-level names (tuning, experiment) come first: they determine whole sections.
     differing.sort(key=lambda key: (order.get(key, len(order)), key.count(".") > 0))
+
+    def count(names: Sequence[str]) -> int:
+        """Return how many configurations some keys tell apart."""
+        return len({tuple(ids[name][index] for name in names) for index in range(len(flat))})
+
     kept: list[str] = []
     for key in differing:
-        groups: dict[tuple[Hashable, ...], set[Hashable]] = {}
-        for index, value in enumerate(ids[key]):
-            groups.setdefault(tuple(ids[other][index] for other in kept), set()).add(value)
-        if any(len(values) > 1 for values in groups.values()):
+        if count([*kept, key]) > count(kept):
             kept.append(key)
     return kept, [key for key in differing if key not in kept]
 

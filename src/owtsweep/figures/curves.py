@@ -102,7 +102,9 @@ def draw(
         limits = axes.get_ylim()
         for name in thin:
             rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
-            _draw_thin(axes, _place(rows[along.name], levels), rows, style_of(name, thin))
+            rows = _sort(rows, along, levels)
+            line = thin_line(style_of(name, thin))
+            axes.plot(_place(rows[along.name], levels), rows["mean"], **line)
         axes.set_ylim(limits)
         axes.set_ylabel(label)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
@@ -131,8 +133,7 @@ def _draw_curves(
     levels: Sequence[Value],
 ) -> None:
     for name in schemes:
-        look, mine = style_of(name, schemes), rows[rows["scheme"] == name]
-        mine = mine.iloc[np.argsort(_place(mine[along.name], levels), kind="stable")]
+        look, mine = style_of(name, schemes), _sort(rows[rows["scheme"] == name], along, levels)
         place, mean, high = _place(mine[along.name], levels), mine["mean"], mine["ci_high"]
         low = mine["ci_low"].clip(lower=LOWEST * mean)
         axes.plot(
@@ -144,9 +145,8 @@ def _draw_curves(
         axes.vlines(place, low, high, color=look.color, linewidth=1.0)
 
 
-def _draw_thin(axes: Axes, place: Array, rows: pd.DataFrame, look: SchemeStyle) -> None:
-    order = np.argsort(place, kind="stable")
-    axes.plot(place[order], rows["mean"].iloc[order], **thin_line(look))
+def _sort(rows: pd.DataFrame, along: Condition, levels: Sequence[Value]) -> pd.DataFrame:
+    return rows.iloc[np.argsort(_place(rows[along.name], levels), kind="stable")]
 
 
 def thin_line(look: SchemeStyle) -> style.Look:

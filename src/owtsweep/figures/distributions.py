@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,18 +46,15 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
             f"grid.replicates: distributions of {criterion} need {LEAST_RECORDS} records per cell "
             f"or more; this run has {len(cube.replicates)}"
         )
-    measure, at = cube.measures.index(criterion), cube.windows.index(window)
-    places = [_choose(len(levels)) for levels in cube.levels]
     parts = []
-    for outer in np.ndindex(*(len(chosen) for chosen in places[:-1])):
-        place = tuple(chosen[index] for chosen, index in zip(places, outer, strict=False))
-        shared = cube.find_shared(place)
-        for scheme, name in enumerate(cube.schemes):
-            values = cube.values(scheme, place, [measure])[:, 0, at]
-            for last in places[-1]:
-                cell = cube.name_outer(place) | {cube.names[-1]: cube.levels[-1][last]}
-                errors = values[last][np.isfinite(values[last]) & shared[last]]
-                parts.append(pd.DataFrame({"scheme": name, **cell, "error": errors}))
+    for *outer, last in product(*(_choose(len(levels)) for levels in cube.levels)):
+        place = tuple(outer)
+        cell = cube.name_outer(place) | {cube.names[-1]: cube.levels[-1][last]}
+        shared = cube.find_shared(place)[last]
+        values = cube.values_of(place, criterion, window)[:, last]
+        for name, of_scheme in zip(cube.schemes, values, strict=True):
+            errors = of_scheme[np.isfinite(of_scheme) & shared]
+            parts.append(pd.DataFrame({"scheme": name, **cell, "error": errors}))
     return pd.concat(parts, ignore_index=True)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from string import Template
 
 import pandas as pd
@@ -85,19 +86,9 @@ def make_run_page(
     data = None
     if mapped:
         parts.append(_write_map(mapped, extras.names))
-        data = {
-            "parts": [
-                make_part(
-                    tuning,
-                    contents,
-                    exact=exact,
-                    help=extras.help,
-                    details=shown[tuning].details,
-                )
-                for tuning, contents in mapped.items()
-            ],
-            "shades": {"full": FULL, "palest": PALEST},
-        }
+        make = partial(make_part, exact=exact, help=extras.help)
+        made = [make(name, part, details=shown[name].details) for name, part in mapped.items()]
+        data = {"parts": made, "shades": {"full": FULL, "palest": PALEST}}
     pictures = [make_picture(png, text) for text, png in extras.pictures.items()]
     if pictures:
         parts.append(write_section("Pictures", "".join(pictures)))

@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from copy import deepcopy
 from typing import Any
 
-import numpy as np
-
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import Records, check_estimates
@@ -81,9 +79,7 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
         except NotFinite as reason:
             raise AssertionError(f"{name}: {reason}") from None
         for field in declaration.estimates:
-            one: Any = getattr(first, field)
-            other: Any = getattr(second, field)
-            assert one is other is None or np.array_equal(one, other, equal_nan=True), (
+            assert identify(getattr(first, field)) == identify(getattr(second, field)), (
                 f"{name}: {field} differs from run to run; keep no state in the scheme, and draw "
                 "no random numbers"
             )

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from operator import attrgetter
 from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn
 
@@ -123,7 +123,8 @@ class SchemeTable:
 
     def describe(self) -> dict[str, str]:
         """Return name -> sentence of each scheme; those of other packages come last."""
-        others = {p.name: f"{p.value}, of another package" for p in self._find_others()}
+        points = entry_points(group=GROUP)
+        others = {point.name: f"{point.value}, of another package" for point in points}
         return {name: listed.sentence for name, listed in self.listed.items()} | others
 
     def describe_one(self, name: str) -> dict[str, str]:
@@ -186,7 +187,7 @@ class SchemeTable:
             module = self.listed[entry].module
             made = import_module(f"{self.package}.{module or entry.lower()}")
             return getattr(made, entry if module else "SCHEME")  # type: ignore[no-any-return]
-        for point in self._find_others():
+        for point in entry_points(group=GROUP):
             if point.name == entry:
                 scheme = self._make({"_target_": point.value.replace(":", ".")})
                 require(
@@ -295,10 +296,6 @@ class SchemeTable:
             f"there is no scheme {name!r}{elsewhere}; use {', '.join(self.describe())}, or "
             "{_target_: package.Class} for one of your own"
         )
-
-    @staticmethod
-    def _find_others() -> list[EntryPoint]:
-        return list(entry_points(group=GROUP))
 
 
 def _plain(section: object) -> object:
