@@ -56,7 +56,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     kind, name = options.kind, options.name
     study = _read_study(kind, options.overrides)
-    _check_name(name)
+    require(
+        NAME.fullmatch(name) is not None and not iskeyword(name),
+        f"NAME: {name!r} cannot be used; give lower-case letters, digits and _, at most 40, of "
+        "which the first is a letter, e.g. my_filter",
+    )
     words = {
         "name": name,
         "title": "".join(part.capitalize() for part in name.split("_")),
@@ -78,14 +82,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     print(*files, sep="\n")
     print("next:", *(f"  {_fill(line, words)}" for line in NEXT[kind]), sep="\n")
     return DONE
-
-
-def _check_name(name: str) -> None:
-    require(
-        NAME.fullmatch(name) is not None and not iskeyword(name),
-        f"NAME: {name!r} cannot be used; give lower-case letters, digits and _, at most 40, of "
-        "which the first is a letter, e.g. my_filter",
-    )
 
 
 def _check_free(kind: str, name: str) -> None:

@@ -7,6 +7,7 @@ message is one line that names the broken part.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 
 import numpy as np
 
@@ -47,24 +48,11 @@ def example_sensors() -> list[Sensors]:
     longer than this interval in the third. The IMU rate is 20, 20 and 50 Hz.
     """
 
-    def sensors(
-        rate: float, fix_interval: int, delay: int, yaw: float, gravity: tuple[float, float]
-    ) -> Sensors:
-        return Sensors(
-            step=1.0 / rate,
-            fix_interval=fix_interval,
-            delay=delay,
-            position_sigma=0.03,
-            force_sigma=0.15,
-            bias_walk=1e-3,
-            yaw=yaw,
-            gravity=gravity,
-        )
-
+    sensors = partial(Sensors, position_sigma=0.03, force_sigma=0.15, bias_walk=1e-3)
     return [
-        sensors(20.0, 20, 4, 0.0, (0.0, 0.0)),
-        sensors(20.0, 10, 0, 0.6, (0.2, -0.1)),
-        sensors(50.0, 25, 30, -2.5, (0.0, 0.3)),
+        sensors(step=0.05, fix_interval=20, delay=4, yaw=0.0, gravity=(0.0, 0.0)),
+        sensors(step=0.05, fix_interval=10, delay=0, yaw=0.6, gravity=(0.2, -0.1)),
+        sensors(step=0.02, fix_interval=25, delay=30, yaw=-2.5, gravity=(0.0, 0.3)),
     ]
 
 
