@@ -23,11 +23,7 @@ BEYOND = 4.0
 
 
 def draw(
-    boundaries: pd.DataFrame,
-    comparison: Comparison,
-    shared: Aspects,
-    *,
-    subtitle: str,
+    boundaries: pd.DataFrame, comparison: Comparison, shared: Aspects, *, subtitle: str
 ) -> Figure:
     """Draw the boundary between two schemes against the first swept key, one line per cell.
 

@@ -50,12 +50,7 @@ def arrange(comparison: Comparison) -> Panels | None:
 
 
 def draw(
-    panels: Panels,
-    runs: Sequence[Judged],
-    shared: Aspects,
-    plane: Plane,
-    *,
-    subtitle: str,
+    panels: Panels, runs: Sequence[Judged], shared: Aspects, plane: Plane, *, subtitle: str
 ) -> Figure:
     """Draw a map of the best scheme for each run, one run per panel, with its boundary if any.
 

@@ -116,12 +116,7 @@ def draw(
 
 
 def draw_cells(
-    axes: Axes,
-    rows: Sequence[Row],
-    schemes: Sequence[str],
-    plane: Plane,
-    *,
-    labels: str,
+    axes: Axes, rows: Sequence[Row], schemes: Sequence[str], plane: Plane, *, labels: str
 ) -> None:
     """Draw the cells of a map of best schemes, and label the axes.
 
@@ -188,11 +183,7 @@ def _describe_runner_up(row: Row) -> str:
 
 
 def _make_legend(
-    rows: Sequence[Row],
-    schemes: Sequence[str],
-    groups: Sequence[Sequence[str]],
-    *,
-    holes: bool,
+    rows: Sequence[Row], schemes: Sequence[str], groups: Sequence[Sequence[str]], *, holes: bool
 ) -> list[Patch]:
     winners = [row["best"] for row in rows]
     handles = []
@@ -218,11 +209,7 @@ def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
 
 
 def _explain(
-    rows: Sequence[Row],
-    groups: Sequence[Sequence[str]],
-    failures: int,
-    *,
-    labelled: bool,
+    rows: Sequence[Row], groups: Sequence[Sequence[str]], failures: int, *, labelled: bool
 ) -> str:
     verdicts = {row["verdict"] for row in rows}
     looked = any(row.get("look", 0) > 0 for row in rows)

@@ -32,10 +32,7 @@ HOLLOW: style.Look = {
 
 
 def choose(
-    summary: pd.DataFrame,
-    schemes: Sequence[str],
-    window: str,
-    fixed: Mapping[Condition, Value],
+    summary: pd.DataFrame, schemes: Sequence[str], window: str, fixed: Mapping[Condition, Value]
 ) -> pd.DataFrame:
     """Return the rows of a run's summary with given schemes, window and values of conditions.
 

@@ -47,12 +47,7 @@ class _Floats:
 
 
 def make_part(
-    tuning: str,
-    contents: Contents,
-    *,
-    exact: bool,
-    details: object = None,
-    help: str = "",
+    tuning: str, contents: Contents, *, exact: bool, details: object = None, help: str = ""
 ) -> dict[str, object]:
     """Return the data of one tuning: plain lists, texts and numbers.
 

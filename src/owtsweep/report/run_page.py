@@ -65,12 +65,7 @@ class Extras:
 
 
 def make_run_page(
-    title: str,
-    shown: Mapping[str, Shown],
-    origin: Origin,
-    extras: Extras,
-    *,
-    exact: bool,
+    title: str, shown: Mapping[str, Shown], origin: Origin, extras: Extras, *, exact: bool
 ) -> str:
     """Return the page of a run as HTML.
 

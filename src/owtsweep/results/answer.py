@@ -22,10 +22,7 @@ Row = Mapping[Hashable, Any]
 
 
 def tell_answer(
-    cells: pd.DataFrame,
-    ratios: pd.DataFrame,
-    criterion: Criterion,
-    conditions: Sequence[Condition],
+    cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion, conditions: Sequence[Condition]
 ) -> list[str]:
     """Return sentences on a map: verdicts, errors in the criterion's unit, and open cells.
 

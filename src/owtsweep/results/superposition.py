@@ -57,11 +57,7 @@ def find_crossing(products: Array) -> Array:
     discriminant = c * c - a * f
     with np.errstate(divide="ignore", invalid="ignore"):
         # for c > 0 this form of (-c + sqrt(...)) / a avoids cancellation and allows a = 0
-        root = np.where(
-            c > 0.0,
-            -f / (c + np.sqrt(discriminant)),
-            (-c + np.sqrt(discriminant)) / a,
-        )
+        root = np.where(c > 0.0, -f / (c + np.sqrt(discriminant)), (-c + np.sqrt(discriminant)) / a)
     peak = np.where(a != 0.0, -c / np.where(a != 0.0, a, 1.0), np.inf)
     turns_inside = (peak > 0.0) & (discriminant > 0.0)
     result = np.full(len(a), np.nan)

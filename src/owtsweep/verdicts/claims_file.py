@@ -272,8 +272,7 @@ def read_claims(path: Path) -> ClaimsFile:
     except ValidationError as error:
         raise InputError(f"{path}: {_tell(error)}") from None
     require(
-        bool(file.statements + file.goals),
-        f"{path}: it has no statements; write [[statements]]",
+        bool(file.statements + file.goals), f"{path}: it has no statements; write [[statements]]"
     )
     return file
 

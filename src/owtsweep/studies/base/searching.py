@@ -59,12 +59,7 @@ def attempt(objective: Objective, values: Plain) -> Trial:
 
 
 def search(
-    space: Space,
-    objective: Objective,
-    *,
-    trials: int,
-    seed: int,
-    starts: Sequence[Plain] = (),
+    space: Space, objective: Objective, *, trials: int, seed: int, starts: Sequence[Plain] = ()
 ) -> Iterator[Trial]:
     """Search for the values with the least score; yield each trial as soon as it has been made.
 
