@@ -120,11 +120,6 @@ def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
 
 
 def _arrange_samples(cube: Cube, window: str, shared: Aspects) -> pd.DataFrame:
-    axes = ["scheme", *shared.names]
-    values = cube.to_table()
-    used = values[(values["measure"] == shared.criterion) & (values["window"] == window)]
-    cells = pd.MultiIndex.from_product(
-        [shared.schemes, *(shared.grid[name] for name in shared.names)], names=axes
-    )
-    table = used.pivot(index=axes, columns="replicate", values="value")
-    return table.reindex(index=cells).astype(float)
+    labels = shared.schemes, *(shared.grid[name] for name in shared.names)
+    cells = pd.MultiIndex.from_product(labels, names=["scheme", *shared.names])
+    return cube.widen(shared.criterion, window).reindex(index=cells).astype(float)

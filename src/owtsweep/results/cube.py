@@ -160,6 +160,16 @@ class Cube:
             parts.append(pd.DataFrame(part, columns=columns))
         return join_lines(parts, columns)
 
+    def widen(self, measure: str, window: str) -> pd.DataFrame:
+        """Return the values of one measure in one window: a column per replicate.
+
+        There is a line for each scheme and combination of conditions that has a value, which are
+        the index. NaN stands where there is none.
+        """
+        table = self.to_table()
+        chosen = table[(table["measure"] == measure) & (table["window"] == window)]
+        return chosen.pivot(index=["scheme", *self.names], columns="replicate", values="value")
+
     @classmethod
     def of_rows(
         cls,

@@ -72,14 +72,14 @@ def make_regret(
     weights = [named[world] / total for world in cubes]
     names = next(iter(cubes.values())).names
     schemes = list(dict.fromkeys(name for cube in cubes.values() for name in cube.schemes))
-    tables = {world: _take(cube, judged) for world, cube in cubes.items()}
-    whole = pd.concat([table.assign(world=world) for world, table in tables.items()])
+    tables = {world: cube.widen(judged.name, judged.window) for world, cube in cubes.items()}
+    whole = pd.concat(tables, names=["world"])
     lines: list[pd.DataFrame] = []
     summaries: list[pd.DataFrame] = []
     index = pd.MultiIndex.from_product([[*cubes], schemes], names=["world", "scheme"])
     for place, cell in whole.groupby(names, sort=True):
-        wide = cell.set_index([*index.names, "replicate"])["value"].unstack("replicate")
-        values = wide.reindex(index).to_numpy().reshape(len(cubes), len(schemes), -1)
+        there = cell.droplevel([*names]).reindex(index)
+        values = there.to_numpy().reshape(len(cubes), len(schemes), -1)
         labels = {**dict(zip(names, place, strict=True)), "criterion": judged.name}
         labels["window"] = judged.window
         found = _find_regret(judged.criterion.judge(values), np.array(weights), judged.criterion)
@@ -92,11 +92,6 @@ def make_regret(
             {"world": [*cubes], "weight": weights, "departs": [sentences[w] for w in cubes]}
         ),
     }
-
-
-def _take(cube: Cube, judged: Judged) -> pd.DataFrame:
-    table = cube.to_table()
-    return table[(table["measure"] == judged.name) & (table["window"] == judged.window)]
 
 
 class _Found(NamedTuple):

@@ -127,11 +127,10 @@ def compute(
     schemes, apart = _split(one, [*rows.values()])
     names = [*schemes, *apart]
     cubes = [make_cube(contest, config, rows[v], names) for v, config in configs.items()]
-    tables = [cube.to_table() for cube in cubes]
     cells = _list_cells(contest, along, one)
-    measured = {measure for table in tables for measure in table["measure"]}
+    measured = {measure for cube in cubes for measure in cube.measures}
     by_criterion = {
-        name: _gather(tables, names, cells, name, criterion, one.grid.first)
+        name: _gather(cubes, names, cells, name, criterion, one.grid.first)
         for name, criterion in contest.criteria.items()
         if name in measured
     }
@@ -190,21 +189,20 @@ def _split(config: ContestConfig, rows: Sequence[pd.DataFrame]) -> tuple[list[st
 
 
 def _gather(
-    tables: Sequence[pd.DataFrame],
+    cubes: Sequence[Cube],
     names: Sequence[str],
     cells: Sequence[Mapping[str, Value]],
     measure: str,
     criterion: Criterion,
     records: int,
 ) -> _Values:
-    """Return the errors by a criterion; `tables` are those of the cubes at each value."""
-    labels = ["scheme", *cells[0]]
-    every = [(name, *cell.values()) for name in names for cell in cells]
+    """Return the errors by a criterion; `cubes` have the values at each value of the key."""
+    every = pd.MultiIndex.from_tuples([(name, *c.values()) for name in names for c in cells])
     of_values = []
-    for table in tables:
-        chosen = table[(table["measure"] == measure) & (table["window"] == WINDOW)]
-        wide = chosen.pivot(index=labels, columns="replicate", values="value")
-        filled = wide.reindex(index=pd.MultiIndex.from_tuples(every), columns=range(records))
+    for cube in cubes:
+        wide = cube.widen(measure, WINDOW)
+        wide = wide.droplevel([name for name in cube.names if name not in cells[0]])
+        filled = wide.reindex(index=every, columns=range(records))
         of_values.append(filled.to_numpy(dtype=float).reshape(len(names), len(cells), records))
     judged = criterion.judge(np.stack(of_values, axis=1))
     with np.errstate(invalid="ignore", divide="ignore"):
