@@ -117,7 +117,7 @@ def test_raising_block_fails_alone_and_is_tried_again(faulty, config, caplog):
         ("silent", "RuntimeError"),
         ("memory", "MemoryError"),
         ("exit", "SystemExit"),
-        ("statusless", "ValueError"),
+        ("statusless", "WrongRows"),
     ],
 )
 def test_blocks_beside_a_fault_are_kept(faulty, config, fault, reason):
