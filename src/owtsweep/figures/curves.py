@@ -99,9 +99,10 @@ def draw(
         limits = axes.get_ylim()
         for name in thin:
             rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
-            rows = _sort(rows, along, levels)
+            place = _place(rows[along.name], levels)
+            order = np.argsort(place, kind="stable")
             line = thin_line(style_of(name, thin))
-            axes.plot(_place(rows[along.name], levels), rows["mean"], **line)
+            axes.plot(place[order], rows["mean"].iloc[order], **line)
         axes.set_ylim(limits)
         axes.set_ylabel(label)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
@@ -129,21 +130,31 @@ def _draw_curves(
     along: Condition,
     levels: Sequence[Value],
 ) -> None:
-    for name in schemes:
-        look, mine = style_of(name, schemes), _sort(rows[rows["scheme"] == name], along, levels)
-        place, mean, high = _place(mine[along.name], levels), mine["mean"], mine["ci_high"]
-        low = mine["ci_low"].clip(lower=LOWEST * mean)
-        axes.plot(
-            place, mean, color=look.color, linestyle=look.line, marker=look.marker,
-            markersize=4.5, markeredgewidth=0.0,
-        )  # fmt: skip
-        ends = low.fillna(mean), high.fillna(mean)
-        axes.fill_between(place, *ends, color=look.color, alpha=0.2, linewidth=0.0)
-        axes.vlines(place, low, high, color=look.color, linewidth=1.0)
+    import seaborn as sns  # takes a second to import
 
-
-def _sort(rows: pd.DataFrame, along: Condition, levels: Sequence[Value]) -> pd.DataFrame:
-    return rows.iloc[np.argsort(_place(rows[along.name], levels), kind="stable")]
+    rows = rows[rows["scheme"].isin(list(schemes))].astype({"scheme": object})
+    place, mean = _place(rows[along.name], levels), rows["mean"]
+    low = rows["ci_low"].clip(lower=LOWEST * mean)
+    # The intervals are those of the table. seaborn makes its own from samples, so each point is
+    # given as three: the median of them is the mean, and all of them span the interval.
+    ends = (mean, low.fillna(mean), rows["ci_high"].fillna(mean))
+    samples = pd.concat(
+        [pd.DataFrame({"scheme": rows["scheme"], "place": place, "error": end}) for end in ends],
+        ignore_index=True,
+    )
+    looks = {name: style_of(name, schemes) for name in schemes}
+    lines = {name: "" if look.line == "-" else look.line[1] for name, look in looks.items()}
+    sns.lineplot(
+        samples, x="place", y="error", hue="scheme", style="scheme", ax=axes, legend=False,
+        hue_order=schemes, style_order=schemes, dashes=lines,
+        palette={name: look.color for name, look in looks.items()},
+        markers={name: look.marker for name, look in looks.items()},
+        estimator="median", errorbar=("pi", 100), err_kws={"linewidth": 0.0},
+        markersize=4.5, markeredgewidth=0.0,
+    )  # fmt: skip
+    for name, look in looks.items():
+        mine = rows["scheme"] == name
+        axes.vlines(place[mine], low[mine], rows["ci_high"][mine], color=look.color, linewidth=1.0)
 
 
 def thin_line(look: SchemeStyle) -> style.Look:
