@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
@@ -76,16 +75,7 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
 
     require(len(files) > 0, "FILE: name the file to describe")
     config = compose_replay(overrides, config_dir)
-    columns = config.columns
-    tell = partial(
-        describe,
-        columns=columns.given(),
-        units=config.units.given(),
-        motion=columns.motion,
-        tower_height=columns.tower_height,
-        rotation=columns.rotation,
-    )
-    print("\n\n".join(map(tell, expand(files))))
+    print("\n\n".join(describe(file, **config.reading()) for file in expand(files)))
     return DONE
 
 

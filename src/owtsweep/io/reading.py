@@ -6,7 +6,8 @@ import errno
 import hashlib
 import os
 import stat
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.errors import InputError
@@ -79,6 +80,15 @@ def _mode(path: Path, kind: str) -> int:
         raise InputError(f"{path}: cannot be read ({reason})") from error
 
 
+@contextmanager
+def refuse_unreadable(path: Path) -> Iterator[None]:
+    """Turn an error of the file system inside a `with` block into an `InputError` with the path."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+
+
 def read_bytes(path: Path, most: int, *, links: bool = True) -> bytes:
     """Read a file of at most `most` bytes; return its content.
 
@@ -87,17 +97,12 @@ def read_bytes(path: Path, most: int, *, links: bool = True) -> bytes:
     Nothing has been read then.
     """
     require_regular(path, links=links)
-    try:
-        with path.open("rb") as stream:
-            size = os.fstat(stream.fileno()).st_size
-            _require_size(path, size, most)
-            if size > MOST_SPARSE and _has_hole(stream.fileno(), size):
-                raise InputError(
-                    f"{path}: its {size / 1e6:.0f} MB have holes; is this the right file?"
-                )
-            data = stream.read(size + 1)  # not `most`: read reserves what it is asked for
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    with refuse_unreadable(path), path.open("rb") as stream:
+        size = os.fstat(stream.fileno()).st_size
+        _require_size(path, size, most)
+        if size > MOST_SPARSE and _has_hole(stream.fileno(), size):
+            raise InputError(f"{path}: its {size / 1e6:.0f} MB have holes; is this the right file?")
+        data = stream.read(size + 1)  # not `most`: read reserves what it is asked for
     _require_size(path, len(data), most)  # it may have grown
     return data
 
@@ -123,14 +128,8 @@ def hash_file(path: Path) -> str:
     Raise `InputError` if the path is no regular file, or the file cannot be read.
     """
     require_regular(path)
-    digest = hashlib.blake2b(digest_size=16)
-    try:
-        with path.open("rb") as stream:
-            while chunk := stream.read(1 << 20):
-                digest.update(chunk)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    return digest.hexdigest()
+    with refuse_unreadable(path), path.open("rb") as stream:
+        return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
 
 def read_text(path: Path, most: int) -> str:

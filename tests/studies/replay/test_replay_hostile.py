@@ -11,7 +11,7 @@ from replay_tools import config_of, motion_file
 
 from owtsweep.cli import main
 from owtsweep.errors import InputError
-from owtsweep.studies.replay.files import as_plain, hash_file, label_files
+from owtsweep.studies.replay.files import hash_file, label_files, name_file
 from owtsweep.studies.replay.report import tabulate_records
 from owtsweep.studies.replay.running import LONGEST_EXPERIMENT, configure, expand, verify
 from owtsweep.studies.replay.seastates import read_table
@@ -41,7 +41,7 @@ def test_wild_names_are_replayed_and_reach_nothing_unescaped(capfd):
 def test_labels_titles_and_names_of_runs():
     names = ["a/n\x1b|.csv", "b/\udce9.csv"]
     assert list(label_files(names)) == [r"n\x1b|", r"\udce9"]
-    assert as_plain("$\\frac{$\n") == r"\$\frac{\$\n"
+    assert name_file("$\\frac{$\n") == r"$\frac{$\n"
     long = motion_file(Path("x" * 250 + ".csv"), duration=2.0)
     assert len(configure([str(long)], QUICK).experiment) == LONGEST_EXPERIMENT
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
@@ -131,28 +131,26 @@ class ReplayStudy(HubKeys, Engine):
         advised = str(advice.iloc[0]["recommended"]) if len(advice) else None
         failed = dict(zip(failures["scheme"], failures["reason"], strict=True))
 
-        def draw_history(folder: Path, name: str, quantity: str, *, zoom: bool) -> list[Path]:
+        def draw_history(folder: Path, name: str) -> list[Path]:
             # the folder of a question that is not the latest holds its own estimates
             own = folder.parent / ESTIMATES
             path = own if own.is_file() else (find_home(folder.parent) or folder.parent) / ESTIMATES
 
             def draw() -> Figure:
+                quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
                 session = open_session(path)
                 return histories.draw(session, quantity, zoom=zoom, advised=advised, failed=failed)
 
             return save_figure(draw, metadata)(folder, name)
 
-        history = {
-            name: partial(
-                draw_history, quantity=name.removesuffix("_zoom"), zoom=name.endswith("_zoom")
-            )
-            for name in HISTORIES
+        def draw_of_facts(draw: Callable[..., Figure]) -> Drawing:
+            return save_figure(lambda: draw(config, pick_facts(tables["records"])), metadata)
+
+        return {
+            **dict.fromkeys(HISTORIES, draw_history),
+            "spectrum": draw_of_facts(spectrum.draw),
+            "place_in_map": draw_of_facts(place.draw),
         }
-        others = {
-            "spectrum": lambda: spectrum.draw(config, pick_facts(tables["records"])),
-            "place_in_map": lambda: place.draw(config, pick_facts(tables["records"])),
-        }
-        return {**history, **{name: save_figure(draw, metadata) for name, draw in others.items()}}
 
     def overview(self, config: ReplayConfig) -> str:
         return "position_zoom" if len(config.grid.files) == 1 else "best_scheme_by_record"

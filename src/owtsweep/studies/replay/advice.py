@@ -18,7 +18,7 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.verdicts import SEPARATOR
-from owtsweep.statistics.contest import find_alike, rank
+from owtsweep.statistics.contest import find_alike, find_common, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES
 from owtsweep.studies.replay.measures import BASELINE_ROWS
@@ -55,22 +55,18 @@ def compare(
     Returns the columns of the table of advice from `best` to `matters`, with an empty `runner_up`
         if no scheme differs from the best; None if no scheme has a value.
     """
-    common = np.isfinite(samples).any(axis=0)
-    took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
-    common &= np.isfinite(samples[took_part]).all(axis=0)
-    if len(took_part) == 0 or not np.any(common):
+    took_part, common = find_common(samples[:, np.newaxis])
+    if not took_part.any() or not common.any():
         return None
-    kept = samples[np.ix_(took_part, common)]
-    mean = kept.mean(axis=1) if whole is None else whole[took_part]
-    everybody = np.ones((len(kept), 1), dtype=bool)
-    alike = find_alike(kept[:, np.newaxis], everybody, np.ones((1, kept.shape[1]), dtype=bool))
-    ranking = rank(mean[:, np.newaxis], alike, everybody)
+    kept = np.compress(common[0], samples, axis=1)
+    mean = kept.mean(axis=1) if whole is None else whole
+    alike = find_alike(samples[:, np.newaxis], took_part, common)
+    ranking = rank(mean[:, np.newaxis], alike, took_part)
     best, second = int(ranking.best[0]), int(ranking.runner_up[0])
     same = np.flatnonzero(ranking.like_best[:, 0])
-    names = [schemes[int(i)] for i in took_part]
     row: dict[str, object] = {
-        "best": names[best],
-        "same_as": " ".join(names[i] for i in same if i != best),
+        "best": schemes[best],
+        "same_as": " ".join(schemes[int(i)] for i in same if i != best),
         "value_best": float(mean[best]),
         "n": int(kept.shape[1]),
     }
@@ -80,7 +76,7 @@ def compare(
     margin = difference / float(mean[best])
     excludes_zero = kept.shape[1] == 1 or difference - half > 0.0
     return row | {
-        "runner_up": names[second],
+        "runner_up": schemes[second],
         "value_runner_up": float(mean[second]),
         "margin": margin,
         "difference": difference,

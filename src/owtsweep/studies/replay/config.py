@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
 from owtsweep.motion.recorded import MotionKind, Rotation
@@ -48,9 +48,7 @@ class Roles(Section):
 
     def given(self) -> dict[str, str]:
         """Return role -> text, without the roles whose value is null."""
-        return {
-            role: text for role in Roles.model_fields if (text := getattr(self, role)) is not None
-        }
+        return self.model_dump(include={*Roles.model_fields}, exclude_none=True)
 
 
 class Columns(Roles):
@@ -146,6 +144,11 @@ class ReplayConfig(HubConfig):
             band is None or band[0] < band[1],
             f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
+
+    def reading(self) -> dict[str, Any]:
+        """Return the arguments that `motion.recorded.read` and `describe` have in common."""
+        named = {"columns": self.columns.given(), "units": self.units.given()}
+        return named | self.columns.model_dump(exclude={*Roles.model_fields})
 
     def start_of_folder(self) -> str:
         """Return the experiment; for a single record also a digest of the record's bytes.

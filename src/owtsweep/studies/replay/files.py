@@ -14,7 +14,7 @@ from owtsweep.config import require
 from owtsweep.errors import InputError, printable
 from owtsweep.io import reading
 from owtsweep.io.files import name_refusal, write_all
-from owtsweep.io.reading import require_regular
+from owtsweep.io.reading import refuse_unreadable, require_regular
 
 #: The number of characters that fit into a title.
 LONGEST = 80
@@ -45,11 +45,9 @@ def hash_file(file: str) -> str:
         parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
     for part in parts:
         require_regular(part)
-    try:
+    with refuse_unreadable(path):
         states = [(part, part.stat().st_size, part.stat().st_mtime_ns) for part in parts]
         return "".join(_hash(*state) for state in states)
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
 
 
 @lru_cache(maxsize=4096)
@@ -62,15 +60,10 @@ def may_read(file: str) -> bool:
     return os.access(file, os.R_OK) or not os.path.exists(file)
 
 
-def as_plain(text: str) -> str:
-    """Return a text that matplotlib draws as it is, without reading a part as a formula."""
-    return printable(text).replace("$", r"\$")
-
-
 def name_file(path: str) -> str:
     """Return the name of the file at `path` for a title, cut to `LONGEST` characters."""
     name = Path(path).name
-    return as_plain(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")
+    return printable(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")
 
 
 def find_data() -> Traversable:

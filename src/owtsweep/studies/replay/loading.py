@@ -73,16 +73,7 @@ def _tell_lean(source: Source) -> str:
 
 
 def _read(config: ReplayConfig, file: str, rows: int | None = None) -> Recording:
-    return read(
-        file,
-        columns=config.columns.given(),
-        units=config.units.given(),
-        gaps=config.gaps,
-        motion=config.columns.motion,
-        tower_height=config.columns.tower_height,
-        rotation=config.columns.rotation,
-        rows=rows,
-    )
+    return read(file, gaps=config.gaps, rows=rows, **config.reading())
 
 
 def measure_sensors(config: ReplayConfig, files: Sequence[str]) -> dict[str, float]:

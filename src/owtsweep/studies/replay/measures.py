@@ -109,16 +109,13 @@ class Tally:
 
 
 def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
-    for window, chosen in (("full", pieces), ("settled", pieces[1:])):
+    windows = {"full": pieces, "settled": pieces[1:]}
+    windows |= {f"part_{number:02d}": [piece] for number, piece in enumerate(pieces[1:])}
+    for window, chosen in windows.items():
         for name in pieces[0]:
             count = sum(piece[name][1] for piece in chosen)
-            if count:
+            if count and (window in WINDOWS or name in ("position", "velocity")):
                 yield (name, window, sum(piece[name][0] for piece in chosen) / count, count)
-    for number, piece in enumerate(pieces[1:]):
-        for name in ("position", "velocity"):
-            total, count = piece.get(name, (0.0, 0))
-            if count:
-                yield (name, f"part_{number:02d}", total / count, count)
 
 
 def _sum_errors(
@@ -128,33 +125,18 @@ def _sum_errors(
     if record.position is None:
         return {}
     part = slice(begin, begin + len(estimated.state))
-    position, velocity = record.position[part], record.given("velocity")[part]
-    squared: list[tuple[Array, Array]] = []
-    nees: list[Array] = []
-    inside = np.zeros((2, 2), dtype=np.int64)  # (position, velocity) x (inside, judged)
-    for axis in range(2):
-        p = estimated.state[:, axis] - position[:, axis]
-        v = estimated.state[:, 2 + axis] - velocity[:, axis]
-        squared.append((p**2, v**2))
-        if estimated.covariance is None:
-            continue
-        P = estimated.axis_covariance(axis)
-        pp, pv, vv = P[:, 0, 0], P[:, 0, 1], P[:, 1, 1]
-        nees.append(_weigh(p, v, pp, pv, vv))
-        for which, variance in enumerate((pp, vv)):
-            limit = (QUANTILE * np.sqrt(variance)) ** 2
-            judged = np.isfinite(squared[axis][which]) & np.isfinite(limit)
-            inside[which] += (
-                np.count_nonzero((squared[axis][which] <= limit) & judged),
-                np.count_nonzero(judged),
-            )
-    (x, vx), (y, vy) = squared
+    error = estimated.state - np.hstack([record.position[part], record.given("velocity")[part]])
+    squared, limit = error**2, (QUANTILE * estimated.deviation) ** 2
+    x, y, vx, vy = squared.T
     series = {"x": x, "y": y, "vx": vx, "vy": vy, "position": x + y, "velocity": vx + vy}
+    judged = np.isfinite(squared) & np.isfinite(limit)
+    inside = (squared <= limit) & judged
+    nees = [_weigh(error[:, axis::2], estimated.axis_covariance(axis)) for axis in range(2)]
     return {
         **{name: _sum_finite(values) for name, values in series.items()},
-        "coverage_position": (float(inside[0, 0]), int(inside[0, 1])),
-        "coverage_velocity": (float(inside[1, 0]), int(inside[1, 1])),
-        "nees": _sum_finite(nees[0] + nees[1]) if nees else (0.0, 0),
+        "coverage_position": (float(inside[:, :2].sum()), int(judged[:, :2].sum())),
+        "coverage_velocity": (float(inside[:, 2:].sum()), int(judged[:, 2:].sum())),
+        "nees": _sum_finite(nees[0] + nees[1]),
     }
 
 
@@ -164,7 +146,9 @@ def _sum_finite(values: Array) -> tuple[float, int]:
     return float(np.sum(values if count == len(values) else values[finite])), count
 
 
-def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
+def _weigh(error: Array, covariance: Array) -> Array:
+    p, v = error.T
+    pp, pv, vv = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 

@@ -48,8 +48,10 @@ def judge(values: Array) -> Contest:
     return Contest._make(each.reshape(values.shape[1:]) for each in result)
 
 
-def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:
-    """Find where a baseline is better than the best scheme by more than `RESOLUTION`.
+def find_winning(
+    values: Array, mse_best: Array, resolution: float = RESOLUTION
+) -> tuple[NDArray[np.int64], Array]:
+    """Find where a baseline is better than the best scheme by more than `resolution`, relatively.
 
     `values` are the baselines' MSE, shape (baselines, periods, amplitudes). Return the index of the
     best baseline where it is better, else -1; and the logarithm of `mse_best` divided by that
@@ -58,7 +60,7 @@ def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Arr
     if not len(values):
         return np.full(mse_best.shape, -1), np.full(mse_best.shape, -np.inf)
     lead = np.log(mse_best / values.min(axis=0))
-    return np.where(lead > RESOLUTION, np.argmin(values, axis=0), -1), lead
+    return np.where(lead > resolution, np.argmin(values, axis=0), -1), lead
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:

@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from owtsweep.errors import InputError
-from owtsweep.figures import smooth_map, style
+from owtsweep.figures import smooth_map
 from owtsweep.figures.smooth_map import Field
 from owtsweep.results.conditions import Condition
-from owtsweep.statistics.contest import agree, contest, group_coinciding
-from owtsweep.studies.hub.public import BASELINES
+from owtsweep.statistics.contest import agree, group_coinciding
+from owtsweep.studies.hub.public import BASELINES, find_winning, judge
 from owtsweep.studies.replay.advice import LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files, name_file
@@ -53,23 +53,22 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     left_out = ", ".join(list_left_out(config))
     beside = f" Not in the map: {left_out}." if left_out else ""
     alike = group_coinciding(names, lambda i, j: bool(np.all(agree(*field.values[[i, j]]))))
-    with style.context():
-        figure = smooth_map.draw(
-            field,
-            names,
-            title=f"Place of {name_file(label)} in the map of the best scheme\n"
-            f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}\n"
-            f"{_describe_coverage(record)}",
-            origin="Bars of the star: 95 % intervals. That of the period comes from the fit of Eq."
-            " (1), that of the amplitude from how far the rms of records of this length scatters in"
-            " one sea state. The map: motions of the spectrum translated (bandwidth"
-            f" {config.spectrum.bandwidth:g} s⁻²) in"
-            f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
-            f" rms displacement in the band, {ratio:.2f}.{beside}",
-            coinciding=alike,
-            baselines=baselines,
-        )
-        _mark(figure.axes[0], (period, amplitude), ends)
+    figure = smooth_map.draw(
+        field,
+        names,
+        title=f"Place of {name_file(label)} in the map of the best scheme\n"
+        f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}\n"
+        f"{_describe_coverage(record)}",
+        origin="Bars of the star: 95 % intervals. That of the period comes from the fit of Eq."
+        " (1), that of the amplitude from how far the rms of records of this length scatters in"
+        " one sea state. The map: motions of the spectrum translated (bandwidth"
+        f" {config.spectrum.bandwidth:g} s⁻²) in"
+        f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
+        f" rms displacement in the band, {ratio:.2f}.{beside}",
+        coinciding=alike,
+        baselines=baselines,
+    )
+    _mark(figure.axes[0], (period, amplitude), ends)
     return figure
 
 
@@ -90,14 +89,11 @@ def _make_field(
     amplitudes = np.geomspace(small, large, AMPLITUDES)
     expected = expect_map(config, record, periods, amplitudes)
     baselines = [name for name in expected if name in BASELINES and name not in config.schemes]
-    rivals = np.array([expected.pop(name) for name in baselines]).reshape(
-        len(baselines), PERIODS, AMPLITUDES
-    )
+    rivals = np.array([expected.pop(name) for name in baselines])
     values = np.array(list(expected.values()))
-    judged, shape = contest(values.reshape(len(values), -1, 1)), values.shape[1:]
-    excess = (judged.difference / judged.mse_best).reshape(shape)
-    lead = np.log(judged.mse_best.reshape(shape) / rivals.min(axis=0, initial=np.inf))
-    beaten, none = lead > LEAST_MARGIN, np.full(shape, -1)
+    judged = judge(values)
+    excess = judged.difference / judged.mse_best
+    winning, lead = find_winning(rivals, judged.mse_best, LEAST_MARGIN)
     return (
         list(expected),
         baselines,
@@ -107,11 +103,11 @@ def _make_field(
             columns=periods,
             lines=amplitudes,
             values=values,
-            best=np.where(beaten, -1, judged.best.reshape(shape)),
+            best=np.where(winning >= 0, -1, judged.best),
             excess=100.0 * excess,
             distinguishable=~(excess < LEAST_MARGIN),
             resolution=LEAST_MARGIN,
-            baseline=np.where(beaten, np.argmin(rivals, axis=0), -1) if baselines else none,
+            baseline=winning,
             lead=lead,
         ),
     )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -17,7 +20,6 @@ from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.files import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 
 #: If a column of the table has at most this many different values, they are the ticks of the axis.
@@ -40,48 +42,40 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             "columns of numbers"
         )
     names = sorted(set(shown["best"]) | set(shown["runner_up"].dropna()) - {""})
-    with style.context():
-        figure = style.new_figure(8.0, 6.0)
-        axes = figure.add_subplot()
-        width, height = _measure_cell(shown[first]), _measure_cell(shown[second])
-        for line in shown.to_dict("records"):
-            place = float(line[first]), float(line[second])
-            fill = margin.fill_cell(style_of(line["best"], names), 1.0 + line["margin"])
-            text = _name_schemes(
-                line["best"], line["runner_up"], line["margin"], line["recommended"]
-            )
-            _mark(axes, place, (width, height), fill, text, hatched=not line["matters"])
-        axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
-        axes.set_ylim(shown[second].min() - height, shown[second].max() + height)
-        if config.replay.table is not None:  # the values of the table as ticks, if there are few
-            for axis, name in ((axes.xaxis, first), (axes.yaxis, second)):
-                if shown[name].nunique() <= MOST_TICKS:
-                    axis.set_ticks(sorted(shown[name].unique()))
-        axes.set_xlabel(_LABELS.get(first, as_plain(first)))
-        axes.set_ylabel(_LABELS.get(second, as_plain(second)))
-        axes.grid(visible=False)
-        window = style.describe_window(config.measures.window)
-        axes.set_title(
-            f"Best scheme by {config.measures.criterion} MSE, {len(shown)} records\n"
-            f"{window}, tuning: {config.tuning}",
-            loc="left",
-        )
-        handles = list_shades(sorted(set(shown["best"])), names)
-        if not all(shown["matters"]):
-            handles.append(
-                Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="does not matter")
-            )
-        add_legend(figure, handles, columns=len(handles))
-        settling = config.measures.settling_time
-        judged = dict.fromkeys(tell_window(name, settling) for name in shown["window"])
-        style.footnote(
-            figure,
-            f"Second line: the runner-up, and by how much its MSE is larger."
-            f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
-            " interval (95 %) of the difference holds zero."
-            " NONE!, HOLD!, DELTA!: no scheme is better than this baseline."
-            f" {' '.join(judged)}",
-        )
+    figure = style.new_figure(8.0, 6.0)
+    axes = figure.add_subplot()
+    width, height = _measure_cell(shown[first]), _measure_cell(shown[second])
+    for line in shown.to_dict("records"):
+        fill = margin.fill_cell(style_of(line["best"], names), 1.0 + line["margin"])
+        _mark(axes, (line[first], line[second]), (width, height), fill, line)
+    axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
+    axes.set_ylim(shown[second].min() - height, shown[second].max() + height)
+    if config.replay.table is not None:  # the values of the table as ticks, if there are few
+        for axis, name in ((axes.xaxis, first), (axes.yaxis, second)):
+            if shown[name].nunique() <= MOST_TICKS:
+                axis.set_ticks(sorted(shown[name].unique()))
+    axes.set(xlabel=_LABELS.get(first, first), ylabel=_LABELS.get(second, second))
+    axes.grid(visible=False)
+    window = style.describe_window(config.measures.window)
+    axes.set_title(
+        f"Best scheme by {config.measures.criterion} MSE, {len(shown)} records\n"
+        f"{window}, tuning: {config.tuning}",
+        loc="left",
+    )
+    handles = list_shades(sorted(set(shown["best"])), names)
+    hatched = Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="does not matter")
+    handles += [] if all(shown["matters"]) else [hatched]
+    add_legend(figure, handles, columns=len(handles))
+    settling = config.measures.settling_time
+    judged = dict.fromkeys(tell_window(name, settling) for name in shown["window"])
+    style.footnote(
+        figure,
+        f"Second line: the runner-up, and by how much its MSE is larger."
+        f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
+        " interval (95 %) of the difference holds zero."
+        " NONE!, HOLD!, DELTA!: no scheme is better than this baseline."
+        f" {' '.join(judged)}",
+    )
     return figure
 
 
@@ -118,8 +112,9 @@ def _measure_cell(values: pd.Series[float]) -> float:
     return float(max(np.diff(coordinates).min(), np.ptp(coordinates) / 12.0))
 
 
-def _name_schemes(best: str, runner_up: str, margin: float, recommended: str) -> str:
-    text = best if np.isnan(margin) else f"{best}\n{runner_up} +{100.0 * margin:.0f} %"
+def _name_schemes(line: Mapping[Hashable, Any]) -> str:
+    best, excess, recommended = line["best"], line["margin"], line["recommended"]
+    text = best if np.isnan(excess) else f"{best}\n{line['runner_up']} +{100.0 * excess:.0f} %"
     return f"{recommended}!\n{text}" if recommended in BASELINES and recommended != best else text
 
 
@@ -128,16 +123,15 @@ def _mark(
     place: tuple[float, float],
     size: tuple[float, float],
     fill: str,
-    text: str,
-    *,
-    hatched: bool,
+    line: Mapping[Hashable, Any],
 ) -> None:
     color = text_color_on(fill)
     corner = (place[0] - size[0] / 2.0, place[1] - size[1] / 2.0)
     axes.add_patch(Rectangle(corner, *size, facecolor=fill, edgecolor="white"))
     box = None
-    if hatched:
+    if not line["matters"]:
         edge = to_rgba(color, HATCH_OPACITY)
         axes.add_patch(Rectangle(corner, *size, facecolor="none", edgecolor=edge, hatch=HATCH))
         box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0}
+    text = _name_schemes(line)
     axes.text(*place, text, ha="center", va="center", color=color, fontsize=9, bbox=box)

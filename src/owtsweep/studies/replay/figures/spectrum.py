@@ -39,43 +39,37 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
             f"the record's periodogram has no frequency in or near the band [{low:g}, {high:g}] "
             "Hz; use a longer record"
         )
-    with style.context():
-        figure = style.new_figure(9.0, 4.8)
-        axes = figure.add_subplot()
-        axes.axvspan(low, high, color="0.95", zorder=0)
-        drawn = decimate(frequency[shown], power[shown])
-        axes.plot(*drawn, color="0.7", linewidth=0.8, label="periodogram")
-        lines = int(np.count_nonzero((frequency >= low) & (frequency <= high)))
-        if lines > 20 * SMOOTHED:
-            count = max(SMOOTHED, lines // SHARE // 2 * 2 + 1)
-            mean = np.convolve(power, np.full(count, 1.0 / count), mode="same")
-            smooth = decimate(frequency[shown], mean[shown])
-            axes.plot(*smooth, color="black", linewidth=1.2, label=f"mean of {count} lines")
-        shape = read_fit(record)
-        if shape is not None:
-            f = np.linspace(low, high, 2000)
-            axes.plot(f, shape.density(f), color="#0072B2", linewidth=2.0, label="Eq. (1), fitted")
-        axes.set_yscale("log")
-        top = float(np.max(power[shown]))
-        axes.set_ylim(1e-6 * top, 3.0 * top)
-        axes.set_xlim(low / 2.0, BEYOND * high)
-        shown_modes = _mark_modes(axes, summary.modes)
-        axes.set_xlabel("frequency (Hz)")
-        axes.set_ylabel("displacement spectrum, x + y (m²/Hz)")
-        axes.legend(loc="upper right", frameon=False)
-        axes.set_title(
-            f"Spectrum of {name_file(config.grid.files[0])}\n"
-            f"{_describe_fit(record, shape is not None)}",
-            loc="left",
-        )
-        share = ""
-        if shape is not None:
-            share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
-        style.footnote(
-            figure,
-            f"{shown_modes}Horizontal displacement, from {summary.source}. Grey: band "
-            f"[{low:g}, {high:g}] Hz, where Eq. (1) is fitted by Whittle likelihood{share}.",
-        )
+    figure = style.new_figure(9.0, 4.8)
+    axes = figure.add_subplot()
+    axes.axvspan(low, high, color="0.95", zorder=0)
+    drawn = decimate(frequency[shown], power[shown])
+    axes.plot(*drawn, color="0.7", linewidth=0.8, label="periodogram")
+    lines = int(np.count_nonzero((frequency >= low) & (frequency <= high)))
+    if lines > 20 * SMOOTHED:
+        count = max(SMOOTHED, lines // SHARE // 2 * 2 + 1)
+        mean = np.convolve(power, np.full(count, 1.0 / count), mode="same")
+        smooth = decimate(frequency[shown], mean[shown])
+        axes.plot(*smooth, color="black", linewidth=1.2, label=f"mean of {count} lines")
+    shape = read_fit(record)
+    if shape is not None:
+        f = np.linspace(low, high, 2000)
+        axes.plot(f, shape.density(f), color="#0072B2", linewidth=2.0, label="Eq. (1), fitted")
+    top = float(np.max(power[shown]))
+    axes.set(yscale="log", ylim=(1e-6 * top, 3.0 * top), xlim=(low / 2.0, BEYOND * high))
+    shown_modes = _mark_modes(axes, summary.modes)
+    axes.set(xlabel="frequency (Hz)", ylabel="displacement spectrum, x + y (m²/Hz)")
+    axes.legend(loc="upper right", frameon=False)
+    axes.set_title(
+        f"Spectrum of {name_file(config.grid.files[0])}\n"
+        f"{_describe_fit(record, shape is not None)}",
+        loc="left",
+    )
+    share = f"; it holds {100 * record['band_share']:.0f} % of the variance" if shape else ""
+    style.footnote(
+        figure,
+        f"{shown_modes}Horizontal displacement, from {summary.source}. Grey: band "
+        f"[{low:g}, {high:g}] Hz, where Eq. (1) is fitted by Whittle likelihood{share}.",
+    )
     return figure
 
 
@@ -95,12 +89,8 @@ def _mark_modes(axes: Axes, modes: Modes) -> str:
             color="#D55E00",
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
         )  # fmt: skip
-    if not modes.found:
-        return ""
-    return (
-        f"Dashed: peaks that are more than scatter (p < {LEVEL:g}), with their shares of the "
-        "variance. "
-    )
+    told = f"Dashed: peaks that are more than scatter (p < {LEVEL:g}), with their shares of the "
+    return f"{told}variance. " if modes.found else ""
 
 
 def _describe_fit(record: Mapping[str, float], has_fit: bool) -> str:
