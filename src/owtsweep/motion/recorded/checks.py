@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
-from owtsweep.motion.recorded.recording import Recording, count_steps, describe_jitter, fit_comb
+from owtsweep.motion.recorded.recording import Recording, describe_jitter, fit_comb
 
 #: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
@@ -58,11 +58,10 @@ def check_time(
     Raises InputError if there are fewer than `fewest`, one is missing, or they do not increase.
     """
     rows = np.arange(len(time)) if rows is None else rows
-    if len(time) < fewest:
-        raise refuse(path, f"has {len(time)} rows; at least {fewest} are needed")
-    missing = np.flatnonzero(~np.isfinite(time))
-    if len(missing):
-        raise refuse(path, f"time ({name}) is missing in data row {rows[missing[0]] + 1}")
+    require(len(time) >= fewest, f"{path}: has {len(time)} rows; at least {fewest} are needed")
+    lost = ~np.isfinite(time)
+    first = rows[lost.argmax()] + 1
+    require(not lost.any(), f"{path}: time ({name}) is missing in data row {first}")
     step = np.diff(time)
     if step.min() <= 0.0:
         row = int(np.flatnonzero(step <= 0.0)[0])
@@ -109,21 +108,15 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
     notes: list[str] = []
     for role, values in recording.channels.items():
         name = f"{role} (channel {recording.names[role]})"
-        count = int(np.isfinite(values).sum())
-        if count == 0:
-            raise refuse(recording.path, f"{name} has no value at all")
+        count, where = int(np.isfinite(values).sum()), f"{recording.path}: {name}"
+        require(count > 0, f"{where} has no value at all")
         if role == "yaw":
             continue
         sparse = role.startswith(("fix", "reference"))
         fewest = 2 if sparse else FEWEST_SAMPLES
-        if count < fewest:
-            raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
+        require(count >= fewest, f"{where} has {count} values; at least {fewest} are needed")
         time, there = recording.series(role)
-        require_possible(
-            f"{recording.path}: {name}",
-            there,
-            f"check units.{role}, and mark missing values as NaN",
-        )
+        require_possible(where, there, f"check units.{role}, and mark missing values as NaN")
         if not role.startswith("fix"):
             check_extent(recording.path, name, time)
         notes += _check_sampling(recording.path, role, name, time, gaps)
@@ -135,15 +128,15 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
 
 def check_extent(path: Path, name: str, time: Array) -> None:
     """Raise `InputError` if a regular grid over rising times (s) has too many steps."""
-    steps = count_steps(time)
-    if not steps <= MOST_STEPS:
-        raise refuse(
-            path,
-            f"{name} spans {time[-1] - time[0]:.3g} s at intervals of "
-            f"{np.median(np.diff(time)):.3g} s: a regular grid would have {steps:.3g} steps "
-            f"({8e-9 * steps:.3g} GB per channel), and at most {MOST_STEPS} are allowed; "
-            "does the time jump?",
-        )
+    span, interval = time[-1] - time[0], np.median(np.diff(time))
+    with np.errstate(over="ignore"):
+        steps = float(span / interval) + 1.0
+    require(
+        steps <= MOST_STEPS,
+        f"{path}: {name} spans {span:.3g} s at intervals of {interval:.3g} s: a regular grid would "
+        f"have {steps:.3g} steps ({8e-9 * steps:.3g} GB per channel), and at most {MOST_STEPS} "
+        "are allowed; does the time jump?",
+    )
 
 
 def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) -> list[str]:
@@ -151,12 +144,11 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
     force = role.startswith("specific_force")
     step = np.diff(time)
     median = float(np.median(step))
-    if force and 1.0 / median < LOWEST_IMU_RATE:
-        raise refuse(
-            path,
-            f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or more; "
-            "if times are in milliseconds, set units.time=ms",
-        )
+    require(
+        not force or 1.0 / median >= LOWEST_IMU_RATE,
+        f"{path}: {name} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or "
+        "more; if times are in milliseconds, set units.time=ms",
+    )
     holes = find_gaps(time)
     sparse = role.startswith(("fix", "reference"))
     quantity = role.rsplit("_", 1)[0]
@@ -194,21 +186,19 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
 def _check_size(path: Path, role: str, name: str, time: Array, values: Array) -> list[str]:
     if role.startswith("specific_force"):
         mean = float(np.mean(values))
-        if abs(mean) > LARGEST_MEAN_FORCE:
-            raise refuse(
-                path,
-                f"{name} has the mean {mean:.4g} m/s^2, as if it measured gravity (9.81): it must "
-                f"be a horizontal axis; check columns.{role} and units.{role}",
-            )
+        require(
+            abs(mean) <= LARGEST_MEAN_FORCE,
+            f"{path}: {name} has the mean {mean:.4g} m/s^2, as if it measured gravity (9.81): it "
+            f"must be a horizontal axis; check columns.{role} and units.{role}",
+        )
     elif role.startswith(("position", "fix", "reference")):
         jump = np.abs(np.diff(values))
-        if jump.max() > LARGEST_JUMP:
-            row = int(np.argmax(jump))
-            raise refuse(
-                path,
-                f"{name} jumps by {jump[row]:.4g} m at {time[row + 1]:.6g} s: check units.{role} "
-                "and mark missing values as NaN",
-            )
+        row = int(np.argmax(jump))
+        require(
+            jump[row] <= LARGEST_JUMP,
+            f"{path}: {name} jumps by {jump[row]:.4g} m at {time[row + 1]:.6g} s: check "
+            f"units.{role} and mark missing values as NaN",
+        )
         extent = float(np.ptp(values))
         if extent > LARGEST_RANGE:
             return [f"{name} spans {extent:.4g} m: is its unit right (units.{role}=mm)?"]

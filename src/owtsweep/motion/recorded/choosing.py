@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Literal, NamedTuple, get_args
 
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.columns import PARTS, assign_roles, strip
 from owtsweep.motion.recorded.composing import (
     PATTERNS,
@@ -64,8 +64,8 @@ def _choose_motion(
     hub: Hub,
 ) -> Choice:
     motion, height = hub.motion, hub.tower_height
-    if motion not in get_args(MotionKind):
-        raise InputError(f"columns.motion: {motion!r} is none of {', '.join(get_args(MotionKind))}")
+    kinds = get_args(MotionKind)
+    require(motion in kinds, f"columns.motion: {motion!r} is none of {', '.join(kinds)}")
     by_user = {role for role, name in given.items() if name and str(name).strip()}
     out = [role for role in given if role not in by_user]
     use = begin_position(chosen)

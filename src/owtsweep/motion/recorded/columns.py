@@ -190,11 +190,8 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     lower = {name.lower(): name for name in names}
     near = [lower[text] for text in get_close_matches(wanted.lower(), lower, n=12, cutoff=0.4)]
     listed = (near + [name for name in names if name not in near])[:12]
-    more = (
-        f" and {len(names) - len(listed)} more (--describe lists all)"
-        if len(names) > len(listed)
-        else ""
-    )
+    left = len(names) - len(listed)
+    more = f" and {left} more (--describe lists all)" if left else ""
     reason = f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}"
     raise refuse(table.path, reason)
 

@@ -171,11 +171,10 @@ def compose(
 def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str]:
     missing: dict[str, list[str]] = {}
     for axis in "xy":
-        needed = [TRANSLATION[axis], TILT[axis]] + ([] if rigid else [f"tower_{axis}"])
-        own = [role for role in needed if role != TILT[axis]]  # tilt alone says nothing of an axis
-        missing[axis] = [role for role in needed if role not in names]
-        if missing[axis] and not any(role in names for role in own):
-            del missing[axis]
+        own = [TRANSLATION[axis]] + ([] if rigid else [f"tower_{axis}"])
+        if any(role in names for role in own):  # tilt alone says nothing of an axis
+            needed = [own[0], TILT[axis], *own[1:]]
+            missing[axis] = [role for role in needed if role not in names]
     lacking = [role for roles in missing.values() for role in roles]
     if lacking or not missing:
         wanted = lacking or ["platform_surge", "platform_pitch", "tower_x"]

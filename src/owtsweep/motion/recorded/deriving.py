@@ -6,16 +6,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.gridding import (
-    FULL_BAND,
-    BandLimited,
-    Gridded,
-    TimeGrid,
-    find_common_grid,
-    make_uniform,
-    mark_gaps,
-    to_grid,
-)
+from owtsweep.motion.recorded import gridding
 from owtsweep.motion.recorded.recording import Recording
 
 #: Highest default cut-off of motion, Hz. It lies above the first two bending modes of a tower, and
@@ -34,8 +25,8 @@ def to_motion(
     quantity: str = "position",
     orders: int = 3,
     cutoff: float | None = None,
-    grid: TimeGrid | None = None,
-) -> Gridded:
+    grid: gridding.TimeGrid | None = None,
+) -> gridding.Gridded:
     """Compute position, velocity and acceleration on a grid from recorded positions.
 
     All three are derivatives of one band-limited function through the positions. Recorded
@@ -56,9 +47,10 @@ def to_motion(
         raise InputError(
             f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
         )
-    grid = grid or find_common_grid(recording, roles, rate)
-    sources = {role: make_uniform(recording, role) for role in roles}
-    highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
+    grid = grid or gridding.find_common_grid(recording, roles, rate)
+    sources = {role: gridding.make_uniform(recording, role) for role in roles}
+    rates = [grid.rate, *(1.0 / step for _, step, _ in sources.values())]
+    highest = gridding.FULL_BAND * min(rates)
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
         raise InputError(
@@ -74,19 +66,19 @@ def to_motion(
             notes.append(f"no {role}: that axis is at rest")
             continue
         (start, values), step, holes = sources.pop(role)
-        function = BandLimited(values, start, step, chosen, grid.rate)
+        function = gridding.BandLimited(values, start, step, chosen, grid.rate)
         del values
         for order, name in enumerate(names):
             given = f"{name}_{axis}"
             derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
             if quantity == "position" and order > 0 and given in recording.channels:
-                recorded = to_grid(recording, given, grid)
+                recorded = gridding.to_grid(recording, given, grid)
                 notes.append(_describe_mismatch(given, recorded, derived))
                 derived = recorded
             pairs[name][:, column] = derived
             if quantity == "reference":
-                mark_gaps(pairs[name][:, column], grid, holes)
-    return Gridded(grid, pairs, chosen, tuple(notes))
+                gridding.mark_gaps(pairs[name][:, column], grid, holes)
+    return gridding.Gridded(grid, pairs, chosen, tuple(notes))
 
 
 def _describe_mismatch(role: str, recorded: Array, derived: Array) -> str:
@@ -109,14 +101,14 @@ def find_clear_band(recording: Recording, rate: float) -> float:
     found = MOTION_CUTOFF
     for role in (role for role in recording.channels if role.startswith("reference")):
         rate = min(rate, recording.rate(role))
-        (_, values), step, _ = make_uniform(recording, role)
-        if FULL_BAND / step <= MOTION_CUTOFF or len(values) < SEGMENT:
+        (_, values), step, _ = gridding.make_uniform(recording, role)
+        if gridding.FULL_BAND / step <= MOTION_CUTOFF or len(values) < SEGMENT:
             continue
         used = values[:MOST_SAMPLES]
         frequency, density = welch(used, 1.0 / step, nperseg=SEGMENT, detrend="linear")
-        noise = np.median(density[frequency > FULL_BAND / step])
-        kept = (frequency > MOTION_CUTOFF) & (frequency <= FULL_BAND / step)
+        noise = np.median(density[frequency > gridding.FULL_BAND / step])
+        kept = (frequency > MOTION_CUTOFF) & (frequency <= gridding.FULL_BAND / step)
         drowned = np.flatnonzero(kept & (density <= CLEAR * noise))
-        clear = frequency[drowned[0] - 1] if len(drowned) else FULL_BAND / step
+        clear = frequency[drowned[0] - 1] if len(drowned) else gridding.FULL_BAND / step
         found = max(found, float(clear))
-    return min(found, FULL_BAND * rate)
+    return min(found, gridding.FULL_BAND * rate)

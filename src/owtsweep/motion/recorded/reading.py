@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.choosing import begin_position, choose_channels
 from owtsweep.motion.recorded.columns import (
@@ -61,8 +62,7 @@ def read(
     rows: how many are read, from the first on; None: all.
     Raises InputError if the file cannot be read or fails a check.
     """
-    if gaps not in GAPS:
-        raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
+    require(gaps in GAPS, f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
     table = open_table(path)
     hub = Hub(motion, tower_height, rotation)
     chosen, said = _assign_roles(table, columns or {}, hub)
@@ -77,11 +77,10 @@ def read(
     check_time(table.path, chosen["time"], time)
     if any(role in PARTS for role in chosen):
         said = _compose(table.path, channels, chosen, hub)
-    bare = Recording(table.path, time, channels, chosen, ())
-    said_of_motion = (said,) if said else ()
-    left_out = dict.fromkeys(table.notes)
-    checked = check_channels(bare, gaps)
-    return replace(bare, notes=(*left_out, *notes, *said_of_motion, *checked), leans=leans)
+    recording = Recording(table.path, time, channels, chosen, (), leans)
+    more = [said] if said else []
+    told = (*dict.fromkeys(table.notes), *notes, *more, *check_channels(recording, gaps))
+    return replace(recording, notes=told)
 
 
 def _load(
@@ -90,10 +89,8 @@ def _load(
     names = list(dict.fromkeys(needed))
     more = [name for name in wished if name not in names]
     if more:
-        try:
+        with suppress(InputError):  # a file is not refused for a channel that nobody asked for
             return table.load([*names, *more], rows)
-        except InputError:
-            pass  # a file is not refused for a channel that nobody asked for
     return table.load(names, rows)
 
 
@@ -110,10 +107,8 @@ def _find_leans(
             continue
         factor = factors.get(role)
         if factor is None and (unit := table.unit(name) or imply_unit(role, name)):
-            try:
+            with suppress(InputError):  # of another unit it is not known what the channel holds
                 factor = find_factor(unit, "angle", name)
-            except InputError:  # no unit of an angle: it is not known what the channel holds
-                factor = None
         leans[axis] = (name, None if factor is None else factor * loaded[name])
     return leans
 
@@ -156,13 +151,11 @@ def find_factors(
     Raises InputError if a role or a unit is not known, or a unit is of another dimension.
     """
     for role in units:
-        if role not in ROLES:
-            raise InputError(f"units.{role}: no such role: use one of {', '.join(ROLES)}")
+        require(role in ROLES, f"units.{role}: no such role: use one of {', '.join(ROLES)}")
     factors, assumed = {}, []
     for role, name in chosen.items():
-        scale = find_scale(
-            table, name, ROLES[role], units.get(role), f"units.{role}", imply_unit(role, name)
-        )
+        given, setting, implied = units.get(role), f"units.{role}", imply_unit(role, name)
+        scale = find_scale(table, name, ROLES[role], given, setting, implied)
         factors[role] = 1.0 if scale is None else scale
         if scale is None:
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")

@@ -77,12 +77,6 @@ class Comb:
         return self.start + self.step * np.arange(self.count)
 
 
-def count_steps(time: Array) -> float:
-    """Return how many steps of the median interval span increasing times (s); perhaps inf."""
-    with np.errstate(over="ignore"):
-        return float((time[-1] - time[0]) / np.median(np.diff(time))) + 1.0
-
-
 def fit_comb(time: Array, number: Array | None = None) -> Comb:
     """Fit a comb by least squares to at least two increasing times in s, shape (n,).
 

@@ -15,15 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded.checks import (
-    WIDEST,
-    check_extent,
-    check_time,
-    describe_gaps,
-    describe_missing,
-    find_gaps,
-    require_possible,
-)
+from owtsweep.motion.recorded import checks
 from owtsweep.motion.recorded.columns import (
     find_channel,
     find_scale,
@@ -115,10 +107,10 @@ def read_signals(
     table = open_table(path)
     _check_items(items, [(table, wanted), *others])
     found = _load_signals(table, wanted, items)
-    check_time(found.path, found.columns["time"], found.time)
+    checks.check_time(found.path, found.columns["time"], found.time)
     for signal, values in found.values.items():
-        if missing := describe_missing(f"{signal} (channel {found.columns[signal]})", values):
-            raise refuse(found.path, f"{missing}; fill the gaps or cut the record there")
+        missing = checks.describe_missing(f"{signal} (channel {found.columns[signal]})", values)
+        require(not missing, f"{found.path}: {missing}; fill the gaps or cut the record there")
     return _make_uniform(found)
 
 
@@ -132,7 +124,7 @@ def read_fixes(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Sig
     require(bool(there.any()), f"{table.path}: no row has a position")
     rows = np.flatnonzero(there)
     time = found.time[rows]
-    check_time(table.path, found.columns["time"], time, rows=rows, fewest=2)
+    checks.check_time(table.path, found.columns["time"], time, rows=rows, fewest=2)
     kept = {signal: values[rows] for signal, values in found.values.items()}
     return replace(found, time=time, values=kept)
 
@@ -164,7 +156,7 @@ def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> 
     values = to_si(loaded, columns, {s: 1.0 if f is None else f for s, f in factors.items()})
     time = values.pop("time")
     for signal, each in values.items():
-        require_possible(
+        checks.require_possible(
             f"{table.path}: {signal} (channel {columns[signal]})",
             each,
             "check its unit, and mend or cut out damaged rows",
@@ -223,17 +215,17 @@ def _find_columns(
 
 def _make_uniform(found: Signals) -> Signals:
     path, time, name = found.path, found.time, f"time ({found.columns['time']})"
-    check_extent(path, name, time)
+    checks.check_extent(path, name, time)
     even = fit_comb(time, np.arange(len(time), dtype=float))  # much jitter looks like missing rows
     comb = min(even, fit_comb(time), key=lambda each: each.jitter)
     if comb.uniform and comb.count == len(time):
         return replace(found, step=comb.step)
     between = np.diff(time)
-    if wide := find_gaps(time, WIDEST + 0.5, 0.0):
+    if wide := checks.find_gaps(time, checks.WIDEST + 0.5, 0.0):
         raise refuse(
             path,
-            f"{name} has gaps longer than {WIDEST:g} steps of {np.median(between):.6g} s: "
-            f"{describe_gaps(wide)}; cut the record at the gaps",
+            f"{name} has gaps longer than {checks.WIDEST:g} steps of {np.median(between):.6g} s: "
+            f"{checks.describe_gaps(wide)}; cut the record at the gaps",
         )
     row = int(np.argmin(between))
     if between[row] < NEAREST * comb.step:

@@ -9,6 +9,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+from owtsweep.errors import require
 from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
@@ -50,10 +51,8 @@ def open_table(path: str | Path) -> ChannelTable:
     """
     path = Path(path)
     require_regular(path)
-    if not os.access(path, os.R_OK):
-        raise refuse(path, "you may not read this file; change its permissions")
-    if path.stat().st_size == 0:
-        raise refuse(path, "is empty")
+    require(os.access(path, os.R_OK), f"{path}: you may not read this file; change its permissions")
+    require(path.stat().st_size > 0, f"{path}: is empty")
     table = _open(path)
     require_channels(path, len(table.names))
     names = number_repeats([tidy(name) for name in table.names])

@@ -6,13 +6,14 @@ import math
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import require
 from owtsweep.motion.recorded.formats.table import (
     ChannelTable,
     refuse,
@@ -24,6 +25,7 @@ from owtsweep.motion.recorded.formats.table import (
 if TYPE_CHECKING:
     from pyarrow import parquet
 
+T = TypeVar("T")
 AXES = "xyz"
 #: What is said of a damaged archive, and the errors that NumPy raises on one.
 DAMAGED = (
@@ -57,27 +59,40 @@ def open_npz(path: Path) -> ChannelTable:
             key = member.filename.removesuffix(".npy")
             channels = name_columns(path, key, shape[1]) if len(shape) == 2 else [key]
             places.update({each: (member.filename, n) for n, each in enumerate(channels)})
-    if len(lengths) != 1 or not places:
-        listed = ", ".join(map(str, sorted(lengths)[:5]))
-        said = f"arrays of different lengths ({listed})"
-        raise refuse(path, f"has {said if places else 'no array of numbers'}")
-
+    require(bool(places), f"{path}: has no array of numbers")
+    listed = ", ".join(map(str, sorted(lengths)[:5]))
+    require(len(lengths) == 1, f"{path}: has arrays of different lengths ({listed})")
     names, found = tuple(places), list(places.values())
 
+    def load(member: str) -> Array:
+        with (
+            refuse_damaged(path, *DAMAGED),
+            zipfile.ZipFile(path) as archive,
+            archive.open(member) as stream,
+        ):
+            array = np.lib.format.read_array(stream, allow_pickle=False)
+        return array if array.ndim == 2 else array[:, None]
+
     def read(wanted: Sequence[int], rows: int) -> list[Array]:
-        result: dict[int, Array] = {}
-        with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
-            for file in dict.fromkeys(found[place][0] for place in wanted):
-                with archive.open(file) as stream:
-                    array = np.lib.format.read_array(stream, allow_pickle=False)
-                table = array if array.ndim == 2 else array[:, None]
-                for place in wanted:
-                    holder, column = found[place]
-                    if holder == file:
-                        result[place] = np.array(table[:rows, column], dtype=float)
-        return [result[place] for place in wanted]
+        return pick_columns([found[place] for place in wanted], load, rows)
 
     return ChannelTable(path, "NumPy archive", names, ("",) * len(names), read, lengths.pop())
+
+
+def pick_columns(
+    wanted: Sequence[tuple[T, int]], load: Callable[[T], Array], rows: int
+) -> list[Array]:
+    """Return the first `rows` values of columns, each given as an array and its place in it.
+
+    `load` reads an array, shape (n, columns); no array is read twice, and one at a time.
+    """
+    found: dict[tuple[T, int], Array] = {}
+    for name in dict.fromkeys(name for name, _ in wanted):
+        table = load(name)
+        for each in wanted:
+            if each[0] == name:
+                found[each] = np.array(table[:rows, each[1]], dtype=float)
+    return [found[each] for each in wanted]
 
 
 def name_columns(path: Path, key: str, count: int) -> list[str]:

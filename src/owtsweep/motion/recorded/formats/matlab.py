@@ -17,14 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.arrays import name_columns
+from owtsweep.errors import require
+from owtsweep.motion.recorded.formats.arrays import name_columns, pick_columns
 from owtsweep.motion.recorded.formats.hdf5 import Variable, list_arrays
-from owtsweep.motion.recorded.formats.table import (
-    ChannelTable,
-    refuse,
-    refuse_damaged,
-    require_room,
-)
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged, require_room
 
 #: Types of data elements that hold numbers, and those that hold a compressed element or an array.
 TYPES = {
@@ -177,28 +173,23 @@ def open_mat(path: Path) -> ChannelTable:
         channels = [name] if columns == 1 else name_columns(path, name, columns)
         places.update({each: (variable, column) for column, each in enumerate(channels)})
     listed = f"no arrays of real numbers, left out: {', '.join(left_out)}" if left_out else ""
-    if not places:
-        raise refuse(
-            path, f"has no vector of numbers: save plain vectors{listed and f' ({listed})'}"
-        )
-
+    more = f" ({listed})" if listed else ""
+    require(bool(places), f"{path}: has no vector of numbers: save plain vectors{more}")
     names, found = tuple(places), list(places.values())
+
+    def load(variable: Variable) -> Array:
+        with refuse_damaged(path, *DAMAGED):
+            array = variable.load()
+        return array if array.shape[0] >= array.shape[1] else array.T
 
     def read(wanted: Sequence[int], rows: int) -> list[Array]:
         lengths = {names[place]: max(found[place][0].shape) for place in wanted}
-        if len(set(lengths.values())) > 1:
-            told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise refuse(path, f"channels differ in length ({told}): save them equally long")
-        result: dict[int, Array] = {}
-        for variable in dict.fromkeys(found[place][0] for place in wanted):
-            with refuse_damaged(path, *DAMAGED):
-                array = variable.load()
-            table = array if array.shape[0] >= array.shape[1] else array.T
-            for place in wanted:
-                holder, column = found[place]
-                if holder is variable:
-                    result[place] = np.array(table[:rows, column])
-        return [result[place] for place in wanted]
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        require(
+            len({*lengths.values()}) < 2,
+            f"{path}: channels differ in length ({told}): save them equally long",
+        )
+        return pick_columns([found[place] for place in wanted], load, rows)
 
     longest = max(max(variable.shape) for variable, _ in found)
     units, notes = ("",) * len(names), [listed] if listed else []

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError, printable, require
 
 #: At most this many numbers of 8 bytes are read from a file: rows times channels that are used.
 MOST_VALUES = 200_000_000
@@ -68,20 +68,19 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
 
 def require_channels(path: Path, count: int) -> None:
     """Raise `InputError` if a file announces more than `MOST_CHANNELS` channels."""
-    if count > MOST_CHANNELS:
-        raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
+    require(
+        count <= MOST_CHANNELS, f"{path}: has {count} channels; at most {MOST_CHANNELS} are read"
+    )
 
 
 def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
     """Raise `InputError` for more than `MOST_VALUES` numbers; `whole`: all rows, if known."""
-    if rows * channels <= MOST_VALUES:
-        return
     many = f"{rows - 1} rows or more" if whole is None else f"{whole} rows"
     size = 8e-9 * channels * (whole or rows)
-    raise refuse(
-        path,
-        f"{many} of {channels} channels need {size:.3g} GB; at most {8e-9 * MOST_VALUES:g} GB are "
-        "read: cut the record into parts, or use fewer channels",
+    require(
+        rows * channels <= MOST_VALUES,
+        f"{path}: {many} of {channels} channels need {size:.3g} GB; at most "
+        f"{8e-9 * MOST_VALUES:g} GB are read: cut the record into parts, or use fewer channels",
     )
 
 
