@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
-from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
+from owtsweep.errors import InputError, require
+from owtsweep.motion.recorded.formats.table import MOST_STEPS
 from owtsweep.motion.recorded.recording import Recording, describe_jitter, fit_comb
 
 #: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
@@ -66,10 +66,9 @@ def check_time(
     if step.min() <= 0.0:
         row = int(np.flatnonzero(step <= 0.0)[0])
         what = "goes backwards" if step[row] < 0.0 else "stands still"
-        raise refuse(
-            path,
-            f"time ({name}) {what} in data row {rows[row + 1] + 1}: {time[row]:.9g} s, then "
-            f"{time[row + 1]:.9g} s; sort the rows by time and drop repeated times",
+        raise InputError(
+            f"{path}: time ({name}) {what} in data row {rows[row + 1] + 1}: {time[row]:.9g} s, "
+            f"then {time[row + 1]:.9g} s; sort the rows by time and drop repeated times"
         )
 
 
@@ -159,10 +158,9 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
             f"{describe_gaps(holes)}"
         )
     elif gaps == "refuse" and (wide := find_gaps(time, WIDEST + 0.5)):
-        raise refuse(
-            path,
-            f"{name} has gaps longer than {max(LONGEST_GAP, WIDEST * median):.3g} s: "
-            f"{describe_gaps(wide)}; cut the record at the gaps, or use gaps=interpolate",
+        raise InputError(
+            f"{path}: {name} has gaps longer than {max(LONGEST_GAP, WIDEST * median):.3g} s: "
+            f"{describe_gaps(wide)}; cut the record at the gaps, or use gaps=interpolate"
         )
     elif holes:
         notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")

@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
 from owtsweep.motion.recorded.units import find_factor
 
@@ -138,7 +138,7 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
     for role, name in given.items():
         where = f"columns.{role}"
         if role not in ROLES:
-            raise refuse(table.path, f"{where}: no such role: use one of {', '.join(ROLES)}")
+            raise InputError(f"{table.path}: {where}: no such role: use one of {', '.join(ROLES)}")
         if name is not None and str(name).strip():
             chosen[role] = find_channel(table, str(name).strip(), where)
     taken = set(chosen.values())
@@ -193,7 +193,7 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     left = len(names) - len(listed)
     more = f" and {left} more (--describe lists all)" if left else ""
     reason = f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}"
-    raise refuse(table.path, reason)
+    raise InputError(f"{table.path}: {reason}")
 
 
 def list_names(table: ChannelTable) -> str:
@@ -203,7 +203,9 @@ def list_names(table: ChannelTable) -> str:
 
 def refuse_without_time(table: ChannelTable, setting: str) -> InputError:
     """Return the error for a file without time; `setting` would name it."""
-    return refuse(table.path, f"no time column found among {list_names(table)}: set {setting}")
+    return InputError(
+        f"{table.path}: no time column found among {list_names(table)}: set {setting}"
+    )
 
 
 def find_scale(
@@ -223,10 +225,9 @@ def find_scale(
     stated = table.unit(name) or implied
     if dimension == "time" and stated == ISO_TIME:
         if given:
-            raise refuse(
-                table.path,
-                f"{setting}={given}: the times ({name}) are dates with a time of day, which become "
-                f"seconds; leave out {setting}",
+            raise InputError(
+                f"{table.path}: {setting}={given}: the times ({name}) are dates with a time of "
+                f"day, which become seconds; leave out {setting}"
             )
         return 1.0
     if given:

@@ -22,9 +22,8 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
+from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.columns import PARTS, strip
-from owtsweep.motion.recorded.formats.table import refuse
 
 #: role -> pattern of the channels' names; case and all but letters and digits are ignored.
 PATTERNS = {
@@ -154,12 +153,12 @@ def compose(
         return channels, {axis: names[role] for axis, role in bends.items()}, note
     axes = _find_axes(path, names, rigid=rigid)
     if hub.tower_height is None:
-        raise refuse(
-            path,
-            f"the platform moves ({', '.join(names[role] for role in moving or platform)}): give "
-            "the height of the tower top above the platform's reference point (in FAST: TowerHt - "
-            "PtfmRefzt), e.g. columns.tower_height=87.6"
-            + ("" if rigid else ", or take the tower's bending alone by columns.motion=tower"),
+        other = "" if rigid else ", or take the tower's bending alone by columns.motion=tower"
+        listed = ", ".join(names[role] for role in moving or platform)
+        raise InputError(
+            f"{path}: the platform moves ({listed}): give the height of the tower top above the "
+            "platform's reference point (in FAST: TowerHt - PtfmRefzt), e.g. "
+            f"columns.tower_height=87.6{other}"
         )
     channels = {axis: _add_up(values, axis, hub.tower_height, rotation) for axis in axes}
     parts = {axis: (TRANSLATION[axis], TILT[axis], f"tower_{axis}") for axis in axes}
@@ -183,10 +182,9 @@ def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str
         if not any(role.startswith("tower") for role in names):
             other = "columns.motion=rigid for a stiff tower, columns.motion=platform for no tower"
         have = ", ".join(names.values())
-        raise refuse(
-            path,
-            f"the motion of the hub cannot be composed from {have}: missing {listed}; name what is "
-            f"missing by columns.ROLE=NAME, or take {other}",
+        raise InputError(
+            f"{path}: the motion of the hub cannot be composed from {have}: missing {listed}; name "
+            f"what is missing by columns.ROLE=NAME, or take {other}"
         )
     return list(missing)
 

@@ -28,7 +28,7 @@ from owtsweep.motion.recorded.composing import (
     imply_unit,
 )
 from owtsweep.motion.recorded.formats import open_table
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 
@@ -129,14 +129,12 @@ def _assign_roles(
     chosen, choice = choose_channels(table, columns, hub)
     if "time" not in chosen:
         raise refuse_without_time(table, "columns.time=NAME")
-    if choice.problem:
-        raise refuse(table.path, choice.problem)
+    require(not choice.problem, f"{table.path}: {choice.problem}")
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
-        raise refuse(
-            table.path,
-            f"no channel with a known name among {list_names(table)}: set "
+        raise InputError(
+            f"{table.path}: no channel with a known name among {list_names(table)}: set "
             "columns.position_x=NAME or columns.specific_force_x=NAME (--describe shows what is "
-            "there)",
+            "there)"
         )
     return {"time": chosen.pop("time"), **chosen}, choice.note
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from owtsweep.motion.recorded.columns import (
     to_si,
 )
 from owtsweep.motion.recorded.formats import open_table
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.gridding import fill
 from owtsweep.motion.recorded.recording import describe_jitter, fit_comb
 
@@ -147,13 +148,12 @@ def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> 
     columns, units = _find_columns(table, wanted, items)
     loaded = table.load(list(dict.fromkeys(columns.values())))
     dimensions = {s: "time" if s == "time" else str(wanted.dimension(s)) for s in columns}
-    factors = {
-        signal: find_scale(
-            table, name, dimensions[signal], units.get(signal), f"{wanted.key}=[{signal}:NAME:UNIT]"
-        )
-        for signal, name in columns.items()
-    }
-    values = to_si(loaded, columns, {s: 1.0 if f is None else f for s, f in factors.items()})
+    factors = {}
+    for signal, name in columns.items():
+        setting = f"{wanted.key}=[{signal}:NAME:UNIT]"
+        scale = find_scale(table, name, dimensions[signal], units.get(signal), setting)
+        factors[signal] = 1.0 if scale is None else scale
+    values = to_si(loaded, columns, factors)
     time = values.pop("time")
     for signal, each in values.items():
         checks.require_possible(
@@ -171,10 +171,8 @@ def _find(table: ChannelTable, rest: str) -> tuple[str, str] | None:
     name, _, unit = rest.rpartition(":")
     for each, given in ((rest, ""), (name, unit)):  # a name may hold a colon
         if each.strip():
-            try:
+            with suppress(InputError):
                 return find_channel(table, each.strip(), ""), given.strip()
-            except InputError:
-                continue
     return None
 
 
@@ -192,9 +190,7 @@ def _find_columns(
             signal not in columns,
             f"{wanted.key}: {signal} is there twice for columns of {table.path}; leave one out",
         )
-        columns[signal], unit = place
-        if unit:
-            units[signal] = unit
+        columns[signal], units[signal] = place
     taken = set(columns.values())
     if "time" not in columns:
         clock = guess_roles([name for name in table.names if name not in taken]).get("time")
@@ -222,18 +218,16 @@ def _make_uniform(found: Signals) -> Signals:
         return replace(found, step=comb.step)
     between = np.diff(time)
     if wide := checks.find_gaps(time, checks.WIDEST + 0.5, 0.0):
-        raise refuse(
-            path,
-            f"{name} has gaps longer than {checks.WIDEST:g} steps of {np.median(between):.6g} s: "
-            f"{checks.describe_gaps(wide)}; cut the record at the gaps",
+        raise InputError(
+            f"{path}: {name} has gaps longer than {checks.WIDEST:g} steps of "
+            f"{np.median(between):.6g} s: {checks.describe_gaps(wide)}; cut the record at the gaps"
         )
     row = int(np.argmin(between))
-    if between[row] < NEAREST * comb.step:
-        raise refuse(
-            path,
-            f"{name} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the row "
-            f"before, elsewhere {np.median(between):.6g} s; drop repeated times",
-        )
+    require(
+        between[row] >= NEAREST * comb.step,
+        f"{path}: {name} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the "
+        f"row before, elsewhere {np.median(between):.6g} s; drop repeated times",
+    )
     filled = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
     note = filled if comb.uniform else describe_jitter(comb, float(np.median(between)))
     beyond = comb.teeth - np.clip(comb.teeth, time[0], time[-1])

@@ -13,7 +13,7 @@ from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import LARGEST_VALUE
 from owtsweep.motion.recorded.formats.streams import TextStream
-from owtsweep.motion.recorded.formats.table import number_repeats, shorten, tidy
+from owtsweep.motion.recorded.formats.table import number_repeats, refuse_damaged, tidy
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import FACTS
 from owtsweep.studies.replay.files import label_files
@@ -42,10 +42,8 @@ def read_table(path: str) -> pd.DataFrame:
         raise InputError(f"replay.table: {error}") from None
     require(len(raw) <= MOST_BYTES, f"{where}: the table is larger than {MOST_BYTES / 1e6:g} MB")
     require(b"\0" not in raw, f"{where}: the file holds binary data, not text")
-    try:
+    with refuse_damaged(where, "the file cannot be read as CSV", ValueError):
         table = pd.read_csv(io.BytesIO(raw), skipinitialspace=True)
-    except ValueError as error:
-        raise InputError(f"{where}: the file cannot be read as CSV ({shorten(error)})") from None
     _make_printable(table)
     _check_columns(table, where)
     columns = ", ".join(str(name) for name in table.columns[:8])

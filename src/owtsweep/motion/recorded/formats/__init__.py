@@ -9,7 +9,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from owtsweep.errors import require
+from owtsweep.errors import InputError, require
 from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
@@ -20,7 +20,6 @@ from owtsweep.motion.recorded.formats.nmea import open_nmea
 from owtsweep.motion.recorded.formats.table import (
     ChannelTable,
     number_repeats,
-    refuse,
     require_channels,
     tidy,
 )
@@ -65,7 +64,7 @@ def _open(path: Path) -> ChannelTable:
         suffix = Path(path.stem).suffix.lower()
         if suffix in TEXT:
             return open_text(path)
-        raise refuse(path, f"only text tables may be compressed ({', '.join(TEXT)})")
+        raise InputError(f"{path}: only text tables may be compressed ({', '.join(TEXT)})")
     if suffix in READERS:
         return READERS[suffix](path)
     if suffix == ".dat" and find_companion(path, ".sel"):
@@ -74,7 +73,8 @@ def _open(path: Path) -> ChannelTable:
         if suffix == ".out" and _is_binary(path):  # an .outb file that was renamed
             return open_fast_binary(path)
         return open_text(path)
-    raise refuse(path, f"unknown extension {suffix!r}: use {', '.join((*TEXT, *READERS))}")
+    known = ", ".join((*TEXT, *READERS))
+    raise InputError(f"{path}: unknown extension {suffix!r}: use {known}")
 
 
 def _is_binary(path: Path) -> bool:

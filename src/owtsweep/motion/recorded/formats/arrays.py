@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
+from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.formats.table import (
     ChannelTable,
-    refuse,
     refuse_damaged,
     require_channels,
     require_room,
@@ -110,14 +109,16 @@ def _find_shape(
         if read_header is None:
             return None
         shape, _, dtype = read_header(stream)
-        if dtype.hasobject:
-            raise refuse(path, "holds pickled objects, which can run code: save plain arrays")
+        plain = "which can run code: save plain arrays"
+        require(not dtype.hasobject, f"{path}: holds pickled objects, {plain}")
         if dtype.kind not in "fiub" or len(shape) not in (1, 2):
             return None
         size = math.prod(shape) * dtype.itemsize
-        if stream.tell() + size > member.file_size:
-            name, there = member.filename, member.file_size
-            raise refuse(path, f"{name} is to hold {size} bytes of numbers, but holds {there}")
+        name, there = member.filename, member.file_size
+        require(
+            stream.tell() + size <= there,
+            f"{path}: {name} is to hold {size} bytes of numbers, but holds {there}",
+        )
         require_room(path, shape[0], math.prod(shape[1:]), shape[0])
         return tuple(shape)
 
@@ -180,7 +181,7 @@ def _read_column(path: Path, file: parquet.ParquetFile, place: int, most: int) -
                 part = part.cast(pa.float64())
         except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
             kind = field.type.value_type if pa.types.is_dictionary(field.type) else field.type
-            raise refuse(path, f"column {field.name} holds no numbers ({kind})") from None
+            raise InputError(f"{path}: column {field.name} holds no numbers ({kind})") from None
         parts.append(part.to_numpy(zero_copy_only=False)[: most - count])
         count += len(parts[-1])
         if count >= most:

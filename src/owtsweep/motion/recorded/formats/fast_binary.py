@@ -28,7 +28,8 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.errors import InputError, require
+from owtsweep.motion.recorded.formats.table import ChannelTable
 
 WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES = 1, 2, 3, 4
 SHORT = 10  # characters of a name in kinds 1 to 3
@@ -57,7 +58,9 @@ def open_fast_binary(path: Path) -> ChannelTable:
 
 def _read_header(path: Path) -> Header:
     size = path.stat().st_size
-    not_fast = refuse(path, "is not a FAST binary file (.outb), or is cut short in its header")
+    not_fast = InputError(
+        f"{path}: is not a FAST binary file (.outb), or is cut short in its header"
+    )
     with path.open("rb") as file:
 
         def take(code: str) -> tuple[Any, ...]:
@@ -89,24 +92,17 @@ def _read_header(path: Path) -> Header:
     if not (np.all(np.isfinite(scale)) and np.all(scale != 0) and all(np.isfinite(clock))):
         raise not_fast
     per_step = channels * (8 if kind == UNCOMPRESSED else 2) + (4 if kind == WITH_TIME else 0)
-    if size < first + steps * per_step:
-        whole = (size - first) // per_step
-        raise refuse(path, f"is cut short: {steps} time steps announced, {whole} there")
-    stated = tuple(unit.strip("()[] ") for unit in units)
-    stated = tuple("" if unit == "-" else unit for unit in stated)
+    whole = (size - first) // per_step
+    require(whole >= steps, f"{path}: is cut short: {steps} time steps announced, {whole} there")
+    stated = tuple("" if unit == "-" else unit for unit in (u.strip("()[] ") for u in units))
     return Header(kind, steps, clock, scale, offset, names, stated, first)
 
 
 def _read(path: Path, header: Header, places: Sequence[int], rows: int) -> list[Array]:
     steps = min(rows, header.steps)
     start = header.first + (4 * header.steps if header.kind == WITH_TIME else 0)
-    packed = np.memmap(
-        path,
-        dtype="<f8" if header.kind == UNCOMPRESSED else "<i2",
-        mode="r",
-        offset=start,
-        shape=(header.steps, len(header.scale)),
-    )
+    kind = "<f8" if header.kind == UNCOMPRESSED else "<i2"
+    packed = np.memmap(path, kind, "r", start, (header.steps, len(header.scale)))
 
     def read(place: int) -> Array:
         if place > 0:

@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
+from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_bytes, require_regular
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats
 from owtsweep.motion.recorded.formats.text import read_columns
 from owtsweep.motion.recorded.formats.text_layout import Layout
 
@@ -57,7 +57,8 @@ def open_hawc2(path: Path) -> ChannelTable:
     wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
     other = find_companion(path, wanted)
     if other is None:
-        raise refuse(path, f"HAWC2 output is two files; {path.with_suffix(wanted).name} is missing")
+        name = path.with_suffix(wanted).name
+        raise InputError(f"{path}: HAWC2 output is two files; {name} is missing")
     require_regular(other)
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
     selection = _read_selection(sel)
@@ -71,8 +72,8 @@ def open_hawc2(path: Path) -> ChannelTable:
 
 def _read_selection(sel: Path) -> Selection:
     lines = read_bytes(sel, MOST_BYTES).decode("latin-1").splitlines()
-    strange = refuse(
-        sel, "is not a HAWC2 .sel file (line 9 holds scans, channels, time, ASCII/BINARY)"
+    strange = InputError(
+        f"{sel}: is not a HAWC2 .sel file (line 9 holds scans, channels, time, ASCII/BINARY)"
     )
     try:
         words = lines[SUMMARY_LINE].split()
@@ -95,7 +96,7 @@ def _read_selection(sel: Path) -> Selection:
         except ValueError:
             raise strange from None
         if len(factors) != count:
-            raise refuse(sel, f"has {len(factors)} scale factors for {count} channels")
+            raise InputError(f"{sel}: has {len(factors)} scale factors for {count} channels")
     return Selection(scans, names, stated, factors, duration)
 
 
@@ -121,8 +122,8 @@ def _read(
         layout = Layout(" ", 0, selection.names, selection.units, ".", {})
         found = read_columns(dat, layout, notes, places, scans)
         there = min(map(len, found), default=scans)
-        if there < scans:
-            raise refuse(dat, f"is cut short: {selection.scans} scans announced, {there} there")
+        counted = f"{selection.scans} scans announced, {there} there"
+        require(there >= scans, f"{dat}: is cut short: {counted}")
     return [_restore_time(values, k, selection) for k, values in zip(places, found, strict=True)]
 
 

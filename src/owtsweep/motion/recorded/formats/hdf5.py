@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.formats.table import (
     MOST_VALUES,
     ChannelTable,
-    refuse,
     refuse_damaged,
     require_channels,
 )
@@ -51,11 +51,12 @@ def open_gtsdf(path: Path) -> ChannelTable:
     with _open(path) as file:
         blocks = sorted(name for name in file if name.startswith("block"))
         shapes = [_open_data(path, file, block).shape for block in blocks]
-        if not blocks:
-            raise refuse(path, "is HDF5 but not gtsdf (no block0000/data)")
+        require(bool(blocks), f"{path}: is HDF5 but not gtsdf (no block0000/data)")
         count = shapes[0][1]
-        if any(shape[1] != count for shape in shapes):
-            raise refuse(path, "is HDF5 but not gtsdf (its blocks differ in their channels)")
+        require(
+            all(shape[1] == count for shape in shapes),
+            f"{path}: is HDF5 but not gtsdf (its blocks differ in their channels)",
+        )
         require_channels(path, count)
         names = _read_words(path, file, "attribute_names", count)
         units = _read_words(path, file, "attribute_units", count)
@@ -100,7 +101,7 @@ def _open(path: Path) -> Iterator[h5py.File]:
     try:
         import h5py
     except ImportError:
-        raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
+        raise InputError(f"{path}: HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
     with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
         yield file
 
@@ -111,7 +112,7 @@ def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
     group = _follow(path, file, block)
     data = _follow(path, group, "data") if isinstance(group, h5py.Group) else None
     if not isinstance(data, h5py.Dataset) or data.ndim != 2 or data.dtype.kind not in "fiub":
-        raise refuse(path, f"is HDF5 but not gtsdf (no {block}/data)")
+        raise InputError(f"{path}: is HDF5 but not gtsdf (no {block}/data)")
     return data
 
 
@@ -121,19 +122,17 @@ def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Datas
 
     if name not in group:
         return None
-    item = None
-    if isinstance(group.get(name, getlink=True), h5py.HardLink):
-        item = group[name]
+    hard = isinstance(group.get(name, getlink=True), h5py.HardLink)
+    item = group[name] if hard else None
     if item is None or (isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)):
-        raise refuse(
-            path, f"{name} is a link, perhaps to another file; store the data in its place"
-        )
+        what = "is a link, perhaps to another file; store the data in its place"
+        raise InputError(f"{path}: {name} {what}")
     if isinstance(item, h5py.Dataset) and item.chunks is not None:
         size = int(np.prod(item.chunks, dtype=float)) * item.dtype.itemsize
-        if size > MOST_VALUES * 8:
-            raise refuse(
-                path, f"{name} has chunks of {size / 1e9:.3g} GB; store it in smaller chunks"
-            )
+        require(
+            size <= MOST_VALUES * 8,
+            f"{path}: {name} has chunks of {size / 1e9:.3g} GB; store it in smaller chunks",
+        )
     return item
 
 
@@ -149,8 +148,8 @@ def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array 
     vector = _follow(path, group, name)
     if vector is None:
         return None
-    if vector.ndim != 1 or len(vector) < count or vector.dtype.kind not in "fiub":
-        raise refuse(path, f"{name} does not hold {count} numbers")
+    numbers = vector.ndim == 1 and len(vector) >= count and vector.dtype.kind in "fiub"
+    require(numbers, f"{path}: {name} does not hold {count} numbers")
     return np.asarray(vector[:count], dtype=float)
 
 

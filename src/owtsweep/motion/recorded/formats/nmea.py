@@ -11,7 +11,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_bytes
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse, shorten
+from owtsweep.motion.recorded.formats.table import ChannelTable, shorten
 
 FORMAT = "NMEA, GGA sentences"
 #: Channels of the table with their units. The height is above the ellipsoid; where no sentence
@@ -61,9 +61,9 @@ def _read_sentences(path: Path) -> tuple[list[tuple[float, ...]], set[bool]]:
             NMEATypeError,
         )
     except ModuleNotFoundError:
-        raise refuse(
-            path,
-            "NMEA needs the package pynmeagps; install the extra: pip install 'owtsweep[gnss]'",
+        raise InputError(
+            f"{path}: NMEA needs the package pynmeagps; install the extra: pip install "
+            "'owtsweep[gnss]'"
         ) from None
     rows: list[tuple[float, ...]] = []
     separated = set()

@@ -9,8 +9,9 @@ import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
+from owtsweep.errors import require
 from owtsweep.io.reading import require_regular
-from owtsweep.motion.recorded.formats.table import refuse, shorten
+from owtsweep.motion.recorded.formats.table import refuse_damaged
 
 #: Most bytes of a line, and the number of bytes that are read at once.
 BLOCK = 1 << 22
@@ -44,23 +45,20 @@ class TextStream(io.RawIOBase):
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
         """Write the next bytes into a buffer; return their number, 0 at the end of the file."""
-        try:
+        with refuse_damaged(self._path, "cannot be read", OSError, EOFError, zlib.error):
             chunk = self._source.read(len(buffer))
-        except (OSError, EOFError, zlib.error) as error:
-            raise refuse(self._path, f"cannot be read ({shorten(error)})") from None
         self._left -= len(chunk)
-        if self._left < 0:
-            raise refuse(
-                self._path,
-                f"unpacks to more than {MOST_UNPACKED / 1e6:g} MB and {MOST_TIMES} times its size; "
-                "unpack it yourself if you trust it",
-            )
+        require(
+            self._left >= 0,
+            f"{self._path}: unpacks to more than {MOST_UNPACKED / 1e6:g} MB and {MOST_TIMES} times "
+            "its size; unpack it yourself if you trust it",
+        )
         end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r"))
         self._line = self._line + len(chunk) if end < 0 else len(chunk) - end - 1
-        if self._line > BLOCK:
-            raise refuse(
-                self._path, f"has a line of more than {BLOCK >> 20} MB; is this a text table?"
-            )
+        require(
+            self._line <= BLOCK,
+            f"{self._path}: has a line of more than {BLOCK >> 20} MB; is this a text table?",
+        )
         buffer[: len(chunk)] = chunk
         return len(chunk)
 

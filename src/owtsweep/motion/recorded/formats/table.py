@@ -96,16 +96,11 @@ def shorten(error: Exception, length: int = 120) -> str:
 
 
 @contextmanager
-def refuse_damaged(path: Path, what: str, *errors: type[Exception]) -> Iterator[None]:
+def refuse_damaged(path: Path | str, what: str, *errors: type[Exception]) -> Iterator[None]:
     """Turn errors inside a `with` block into an `InputError`: the file, `what`, the error."""
     try:
         yield
     except InputError:
         raise
     except errors as error:
-        raise refuse(path, f"{what} ({shorten(error)})") from None
-
-
-def refuse(path: Path, reason: str) -> InputError:
-    """Return (not raise) the error for a file."""
-    return InputError(f"{path}: {reason}")
+        raise InputError(f"{path}: {what} ({shorten(error)})") from None

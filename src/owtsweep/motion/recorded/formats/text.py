@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import printable
+from owtsweep.errors import InputError, printable, require
 from owtsweep.motion.recorded.formats.streams import TextStream, read_blocks
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse, shorten
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged, shorten
 from owtsweep.motion.recorded.formats.text_layout import (
     ISO_PATTERN,
     MISSING,
@@ -58,12 +58,13 @@ def open_text(path: Path) -> ChannelTable:
 def _read_head(path: Path) -> list[str]:
     with TextStream(path) as stream:
         raw = stream.read(HEAD)
-    if not raw.strip():
-        raise refuse(path, "is empty")
-    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        raise refuse(path, "is text in UTF-16; save it as UTF-8")
-    if b"\0" in raw:
-        raise refuse(path, "holds binary data, not text; give it the extension of its format")
+    require(raw.strip() != b"", f"{path}: is empty")
+    utf_16 = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    require(not utf_16, f"{path}: is text in UTF-16; save it as UTF-8")
+    require(
+        b"\0" not in raw,
+        f"{path}: holds binary data, not text; give it the extension of its format",
+    )
     try:
         text = codecs.getincrementaldecoder("utf-8-sig")().decode(raw)  # the last letter may be cut
     except UnicodeDecodeError:
@@ -160,7 +161,7 @@ def _parse(path: Path, layout: Layout, block: bytes, skipped: int, names: Sequen
         table = arrow_csv.read_csv(pa.BufferReader(block), how, parse, convert)
     except pa.ArrowException as error:
         reason = f"cannot be read as a table of numbers ({shorten(error, 160)})"
-        raise refuse(path, reason) from None
+        raise InputError(f"{path}: {reason}") from None
     return {
         n: table.column(n).combine_chunks() if n in layout.times else table.column(n).to_numpy()
         for n in names
@@ -176,13 +177,12 @@ class IsoTimes:
     def __init__(self, path: Path, name: str, example: str) -> None:
         self._path, self._name = path, name
         self._first: int | None = None
-        self._zoned: bool | None = None
-        if not is_iso_time(example):
-            raise refuse(
-                path,
-                f"column {name} holds times like {example}: write date and time in ISO 8601, e.g. "
-                "2024-05-01T12:00:00.000Z, or seconds",
-            )
+        self._zoned: set[bool] = set()
+        require(
+            is_iso_time(example),
+            f"{path}: column {name} holds times like {example}: write date and time in ISO 8601, "
+            "e.g. 2024-05-01T12:00:00.000Z, or seconds",
+        )
 
     def convert(self, texts: pa.StringArray) -> Array:
         """Return the next times in s from the column's first; NaN where a text is missing.
@@ -192,30 +192,20 @@ class IsoTimes:
         import pandas as pd
         import pyarrow.compute as pc
 
+        where = f"{self._path}: column {self._name}"
         there = pc.is_valid(texts).to_numpy(zero_copy_only=False)
         good = pc.match_substring_regex(texts, "^" + ISO_PATTERN).fill_null(True)
-        if not pc.all(good).as_py():
-            wrong = texts.filter(pc.invert(good))[0].as_py()
-            raise refuse(
-                self._path,
-                f"column {self._name} holds times in ISO 8601, but also {wrong[:40]!r}",
-            )
-        zoned = pc.match_substring_regex(texts, ZONE + "$").drop_null().unique().to_pylist()
-        if self._zoned is None and zoned:
-            self._zoned = zoned[0]
-        if any(each != self._zoned for each in zoned):
-            raise refuse(
-                self._path,
-                f"column {self._name}: some times state Z or an offset from UTC, others do not; "
-                "write them in one way",
-            )
+        for wrong in texts.filter(pc.invert(good))[:1].to_pylist():
+            raise InputError(f"{where} holds times in ISO 8601, but also {wrong[:40]!r}")
+        self._zoned |= {*pc.match_substring_regex(texts, ZONE + "$").drop_null().to_pylist()}
+        require(
+            len(self._zoned) < 2,
+            f"{where}: some times state Z or an offset from UTC, others do not; write them in one "
+            "way",
+        )
         series = pc.replace_substring(texts, ",", ".").to_pandas()
-        try:
+        with refuse_damaged(where, "no such time", ValueError, OverflowError):
             moments = pd.to_datetime(series, format="ISO8601", utc=True).dt.tz_localize(None)
-        except (ValueError, OverflowError) as error:
-            raise refuse(
-                self._path, f"column {self._name}: no such time ({shorten(error)})"
-            ) from None
         numbers = moments.to_numpy(dtype="datetime64[ns]").view(np.int64)
         if self._first is None and there.any():
             self._first = int(numbers[there][0])

@@ -14,7 +14,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from owtsweep.motion.recorded.formats.table import LONGEST_NAME, number_repeats, refuse
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.formats.table import LONGEST_NAME, number_repeats
 from owtsweep.motion.recorded.units import find_dimension
 
 #: The unit of a column of such times, in place of one that the file states.
@@ -97,13 +98,12 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         if not len(fields) == len(below) > 1 or not (_is_data(fields) and _is_data(below)):
             continue
         if delimiter == " " and is_split_time(fields):
-            raise refuse(
-                path,
-                f"line {first + 1} has date and time as two columns: write T between them "
-                f"({fields[0]}T{fields[1]}), or commas between the columns",
+            raise InputError(
+                f"{path}: line {first + 1} has date and time as two columns: write T between them "
+                f"({fields[0]}T{fields[1]}), or commas between the columns"
             )
         data = [split_fields(text, delimiter) for _, text in written[place:]]
-        decimal = _find_decimal(path, first, data)
+        decimal = _find_decimal(path, first + 1, data)
         header = [text for _, text in written[:place]]
         if delimiter == "," and header and decimal == ".":
             _refuse_commas_for_all(path, first, fields, header[-1])
@@ -111,15 +111,14 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         times = {name: f for name, f in zip(names, fields, strict=True) if is_date_or_clock(f)}
         units = tuple(ISO_TIME if n in times else u for n, u in zip(names, units, strict=True))
         return Layout(delimiter, first, names, units, decimal, times)
-    raise refuse(
-        path,
-        "has no table of numbers (at least two lines and two columns, separated by commas, "
-        "semicolons, tabs or blanks)",
+    raise InputError(
+        f"{path}: has no table of numbers (at least two lines and two columns, separated by "
+        "commas, semicolons, tabs or blanks)"
     )
 
 
-def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
-    """Return "." or ",", the decimal character of the fields of some lines of data."""
+def _find_decimal(path: Path, line: int, data: list[list[str]]) -> str:
+    """Return "." or ",", the decimal character of fields of data, which begin at `line`."""
     commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
     if not commas:
         return "."
@@ -129,11 +128,11 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
     if point is not None:
         if commas[0] not in data[0]:
             return "."  # the comma is in a text further down
-        raise refuse(path, f"line {first + 1} on has numbers like {commas[0]} and {point}: {hint}")
+        raise InputError(f"{path}: line {line} on has numbers like {commas[0]} and {point}: {hint}")
     if all(_THOUSANDS.match(field) for field in commas):
         whole = commas[0].replace(",", "")
         point = commas[0].replace(",", ".")
-        raise refuse(path, f"is {commas[0]} from line {first + 1} on {whole} or {point}? {hint}")
+        raise InputError(f"{path}: is {commas[0]} from line {line} on {whole} or {point}? {hint}")
     return ","
 
 
@@ -143,10 +142,9 @@ def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: st
     parts = len(fields)
     whole = all(_INTEGER.match(field) for field in fields)
     if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
-        raise refuse(
-            path,
-            f"line {first + 1} has {parts} numbers below {len(names)} names: if its commas are "
-            "decimal commas, write points instead, or write semicolons between the columns",
+        raise InputError(
+            f"{path}: line {first + 1} has {parts} numbers below {len(names)} names: if its commas "
+            "are decimal commas, write points instead, or write semicolons between the columns"
         )
 
 
