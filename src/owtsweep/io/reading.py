@@ -50,24 +50,17 @@ def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) 
     `but`: names of subfolders whose content is not looked at. `deep`: whether to look into
     subfolders.
     """
-    todo = [folder]
-    while todo:
-        try:
-            with os.scandir(todo.pop()) as entries:
-                found = sorted(entries, key=lambda entry: entry.name)
-        except (FileNotFoundError, NotADirectoryError):
-            continue
-        except OSError as error:
-            if error.errno == errno.ENAMETOOLONG:  # so nothing is there
-                continue
+
+    def refuse(error: OSError) -> None:
+        if error.errno not in (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG):  # nothing is there
             raise InputError(f"{folder}: cannot be read ({error.strerror})") from error
-        for entry in found:
-            path = Path(entry.path)
-            if entry.is_symlink():
+
+    for top, folders, files in os.walk(folder, onerror=refuse):
+        for path in sorted(Path(top, name) for name in (*folders, *files)):
+            if path.is_symlink():
                 kind = "file" if path.suffix else "folder"
                 raise InputError(f"{path}: this is a link where a {kind} belongs; move it away")
-            if deep and entry.is_dir(follow_symlinks=False) and entry.name not in but:
-                todo.append(path)
+        folders[:] = [name for name in folders if deep and name not in but]
 
 
 def _mode(path: Path, kind: str) -> int:

@@ -64,7 +64,6 @@ ROWS = 1 << 18
 #: the small angles of FAST and of OpenFAST before.
 Rotation = Literal["zyx", "small"]
 Vector = tuple[Array, ...]
-Composed = tuple[dict[str, Array], dict[str, str], str]
 
 
 class Hub(NamedTuple):
@@ -128,7 +127,7 @@ def compose(
     values: Mapping[str, Array],
     names: Mapping[str, str],
     hub: Hub,
-) -> Composed:
+) -> tuple[dict[str, Array], dict[str, str], str]:
     """Compose the motion of the hub along x and y from its parts.
 
     values, names: role of a part -> values in m or rad, (n,), NaN where missing, and the channel's

@@ -227,13 +227,11 @@ def relate_to_record(
     by_record: the row by the record's own errors, if there is one.
     share: of the record's variance that the fitted spectrum covers.
     """
-    contradicts = False
     chosen = "" if by_record is None else str(by_record["recommended"])
-    if chosen in values:
-        least = min(values.values())
-        contradicts = values[chosen] - least >= LEAST_MARGIN * least > 0.0
+    least = min(values.values())
+    excess = values.get(chosen, least) - least
     return {
         "fit_share": share,
         "advises": bool(share >= LEAST_COVERED),
-        "contradicts_record": bool(contradicts),
+        "contradicts_record": bool(excess >= LEAST_MARGIN * least > 0.0),
     }

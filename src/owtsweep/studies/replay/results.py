@@ -51,7 +51,8 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
         "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
     if len(labels) > 1:  # a single record that cannot be used is refused before it is run
-        tables["refused"] = _list_refused(rows, labels)
+        failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
+        tables["refused"] = _sort(failed[["file", "reason"]].astype(str), file=labels)
     return tables
 
 
@@ -59,13 +60,6 @@ def rank_schemes(config: ReplayConfig) -> dict[str, int]:
     """Return scheme -> how simple it is, in the order of the key `schemes`."""
     ranks = SCHEMES.rank(config)
     return {scheme.name: ranks[scheme.name] for scheme in resolve_all(config.schemes, config)}
-
-
-def _list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
-    reasons = dict(zip(failed["file"], failed["reason"], strict=True))
-    listed = [(file, reasons[file]) for file in files if file in reasons]
-    return pd.DataFrame(listed, columns=["file", "reason"])
 
 
 def _average_errors(
@@ -94,13 +88,10 @@ def _sort(table: pd.DataFrame, **order: Sequence[str]) -> pd.DataFrame:
 
 def _list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
-    table = wide.reindex([file for file in files if file in wide.index])
-    table.columns.name = None
-    table = table.reset_index()
+    there = [file for file in files if file in wide.index]
+    table = wide.reindex(there).rename_axis(columns=None).reset_index()
     states = read_sea_states(config)
-    if states is not None:
-        table = states.merge(table, on="file", how="right")
-    return table
+    return table if states is None else states.merge(table, on="file", how="right")
 
 
 def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:

@@ -144,10 +144,10 @@ def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
     return [text.strip() for text in texts]
 
 
-def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array | None:
-    vector = _follow(path, group, name)
+def _read_vector(path: Path, group: h5py.Group, name: str, default: Array) -> Array:
+    vector, count = _follow(path, group, name), len(default)
     if vector is None:
-        return None
+        return default
     numbers = vector.ndim == 1 and len(vector) >= count and vector.dtype.kind in "fiub"
     require(numbers, f"{path}: {name} does not hold {count} numbers")
     return np.asarray(vector[:count], dtype=float)
@@ -163,12 +163,11 @@ def _read(path: Path, blocks: Sequence[str], places: Sequence[int], rows: int) -
             if steps <= 0:
                 break
             rows -= steps
-            gains = _read_vector(path, group, "gains", data.shape[1])
-            offsets = _read_vector(path, group, "offsets", data.shape[1])
+            gains = _read_vector(path, group, "gains", np.ones(data.shape[1]))
+            offsets = _read_vector(path, group, "offsets", np.zeros(data.shape[1]))
             for part, place in zip(parts, places, strict=True):
                 if place == 0:
-                    count = _read_vector(path, group, "time", steps)
-                    count = np.arange(steps, dtype=float) if count is None else count
+                    count = _read_vector(path, group, "time", np.arange(steps, dtype=float))
                     step = float(np.asarray(group.attrs.get("time_step", 1.0)).item())
                     start = float(np.asarray(group.attrs.get("time_start", 0.0)).item())
                     part.append(start + step * count)
@@ -177,9 +176,7 @@ def _read(path: Path, blocks: Sequence[str], places: Sequence[int], rows: int) -
                 values = np.asarray(packed, dtype=float)
                 if np.issubdtype(packed.dtype, np.integer):
                     values[packed == np.iinfo(packed.dtype).max] = np.nan
-                if gains is not None:
-                    values *= gains[place - 1]
-                if offsets is not None:
-                    values += offsets[place - 1]
+                values *= gains[place - 1]
+                values += offsets[place - 1]
                 part.append(values)
     return [np.concatenate(part) for part in parts]

@@ -154,22 +154,22 @@ def _find_delimiter(line: str) -> str:
             return candidate
     # "1 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
     blanks = line.split()
-    if len(blanks) > 1 and all(_NUMBER.match(f) or _DECIMAL_COMMA.match(f) for f in blanks):
+    if len(blanks) > 1 and all(map(_is_number, blanks)):
         return " "
     return "," if "," in line else " "
 
 
 def _is_data(fields: list[str]) -> bool:
-    numbers = sum(1 for f in fields if _NUMBER.match(f) or _DECIMAL_COMMA.match(f))
-    # no text in MISSING looks like a number
-    others = sum(1 for f in fields if f in MISSING or is_date_or_clock(f))
-    return numbers > 0 and 2 * (numbers + others) >= len(fields)
+    return any(map(_is_number, fields)) and 2 * sum(map(is_value, fields)) >= len(fields)
 
 
 def is_value(field: str) -> bool:
     """Return whether a field is a number, a date, a time of day, or a sign of a missing value."""
-    number = _NUMBER.match(field) or _DECIMAL_COMMA.match(field)
-    return bool(number) or field in MISSING or is_date_or_clock(field)
+    return _is_number(field) or field in MISSING or is_date_or_clock(field)
+
+
+def _is_number(field: str) -> bool:
+    return bool(_NUMBER.match(field) or _DECIMAL_COMMA.match(field))
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:

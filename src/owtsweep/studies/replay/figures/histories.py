@@ -96,9 +96,8 @@ def _make_values_panel(
         time, fixes = shown.fixes
         label = "fixes\n(as they arrive)"
         marks.append(time_histories.show_fixes(time, fixes[:, axis], label=label, size=6))
-    limits: tuple[float | None, float | None] = (None, None)
-    if quantity == "bias":  # the large values at the start would hide the rest
-        limits = _find_limits(shown, axis)
+    # the large values of a bias at the start would hide the rest
+    limits = _find_limits(shown, axis) if quantity == "bias" else (None, None)
     return Panel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})", marks, shown.view, limits)
 
 
@@ -136,9 +135,8 @@ def _make_residuals_panel(session: Session, shown: Traces) -> Panel:
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.residuals.items():
         scheme = style_of(name, session.names)
-        look: Look = {
-            "color": scheme.color, "marker": scheme.marker, "markersize": 3, "linewidth": 0.6,
-        }  # fmt: skip
+        look: Look = {"color": scheme.color, "marker": scheme.marker}
+        look |= {"markersize": 3, "linewidth": 0.6}
         marks.append(Curve([decimate(time, scaled, POINTS)], look))
     marks += [Level(bound, bound=True) for bound in (-QUANTILE, QUANTILE)]
     note = "dotted: 95 % lie inside if the filter knows its noise and that of the fixes"
@@ -167,20 +165,18 @@ def _explain(session: Session, quantity: str, shown: Traces, advised: str | None
             x, y = session.record.origin
             yield f"The mean position ({x:.3g}, {y:.3g}) m is taken off."
     if quantity in ("acceleration", "bias"):
-        yield (
-            "Estimates are drawn at the time to which they refer, not when the filter gives them."
-        )
-    if quantity == "bias" and session.record.steps > POINTS:
+        yield "Estimates are drawn at the time to which they refer, not when the filter gives them."
+    if quantity != "bias":
+        return
+    if session.record.steps > POINTS:
         every = 2.0 * session.record.steps / POINTS * session.record.step
         yield f"Drawn are the least and the greatest value of every {every:.3g} s."
-    if quantity == "bias" and any(
-        leaves(pair[axis], *_find_limits(shown, axis))
-        for pair in shown.lines.values()
-        for axis in range(2)
-    ):
+    limits = [_find_limits(shown, axis) for axis in range(2)]
+    pairs = shown.lines.values()
+    if any(leaves(pair[axis], *limits[axis]) for pair in pairs for axis in range(2)):
         yield (
             "Panels of x and y are scaled to the values after the first fifth of the record;"
             " before, lines leave them."
         )
-    if quantity == "bias" and shown.truth is None:
+    if shown.truth is None:
         yield "It holds whatever the IMU reports besides motion: leaks of gravity too."

@@ -84,13 +84,9 @@ def _find_most_likely(
     problem: Problem, stated: Array, gain: Array | None = None
 ) -> tuple[Array, float]:
     """Return the most likely parameters, encoded, and their log likelihood; `gain`: (2, 2)."""
-    best: Array = np.empty(0)
-    value = -np.inf
-    for start in _scan_delays(problem, stated, gain, SCAN)[0]:
-        found, reached = _climb(problem, start, _bounds(stated[3]), gain=gain)
-        if reached > value:
-            best, value = found, reached
-    return best, value
+    starts, bounds = _scan_delays(problem, stated, gain, SCAN)[0], _bounds(stated[3])
+    found = [_climb(problem, start, bounds, gain=gain) for start in starts]
+    return max(found, key=lambda each: each[1])
 
 
 def _scan_delays(
