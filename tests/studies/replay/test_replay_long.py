@@ -20,7 +20,7 @@ from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.estimates import OnePassSeries
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.replay import blocks, estimating
+from owtsweep.studies.replay import blocks
 from owtsweep.studies.replay import record as recorded
 from owtsweep.studies.replay.estimating import (
     DEVIATIONS,
@@ -43,8 +43,7 @@ SLOW = (
 
 @pytest.fixture
 def short_pieces(monkeypatch):
-    for module in (recorded, estimating):
-        monkeypatch.setattr(module, "PIECE", 640)
+    monkeypatch.setattr(recorded, "PIECE", 640)
     monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
 
 
@@ -170,8 +169,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     # with this tuning MKF is the same estimator as EKF
     assert traces.find_distinct(whole) == [name for name in config.schemes if name != "EKF"]
     filters = one.filters
-    for module in (recorded, estimating):
-        monkeypatch.setattr(module, "PIECE", 640)
+    monkeypatch.setattr(recorded, "PIECE", 640)
     monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
     write_estimates(config, str(path), tmp_path, print)
     other = traces.Session(config, str(path), tmp_path / "estimates.parquet")

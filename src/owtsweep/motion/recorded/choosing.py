@@ -10,16 +10,8 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Literal, NamedTuple, get_args
 
 from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded.columns import PARTS, assign_roles, strip
-from owtsweep.motion.recorded.composing import (
-    PATTERNS,
-    TRANSLATION,
-    Hub,
-    find,
-    find_all,
-    find_parts,
-    keep_axes,
-)
+from owtsweep.motion.recorded.columns import PARTS, assign_roles, find, find_all, strip
+from owtsweep.motion.recorded.composing import PATTERNS, TRANSLATION, Hub, find_parts, keep_axes
 from owtsweep.motion.recorded.formats.table import ChannelTable
 
 #: Which motion a user may ask for: the hub's, as far as the file holds it; the bending of the tower

@@ -95,6 +95,20 @@ def strip(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
+def find(names: Sequence[str], pattern: str) -> str | None:
+    """Return the first channel that matches the alternatives of a pattern, earlier ones first."""
+    for part in pattern.split("|"):
+        for name in names:
+            if re.fullmatch(part, strip(name)):
+                return name
+    return None
+
+
+def find_all(names: Sequence[str], pattern: str) -> list[str]:
+    """Return the channels whose names match a pattern, sorted."""
+    return sorted(name for name in names if re.fullmatch(pattern, strip(name)))
+
+
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
     """Assign channels to roles by well-known names: return role -> channel.
 

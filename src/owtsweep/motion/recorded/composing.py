@@ -14,8 +14,8 @@ OpenFAST 4.0. Before, it was the orthonormal matrix nearest to I + [a]x, a = (ro
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
@@ -23,7 +23,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded.columns import PARTS, strip
+from owtsweep.motion.recorded.columns import PARTS, find, strip
+from owtsweep.motion.recorded.formats.table import ChannelTable
+from owtsweep.motion.recorded.units import find_factor
 
 #: role -> pattern of the channels' names; case and all but letters and digits are ignored.
 PATTERNS = {
@@ -96,6 +98,30 @@ def find_angles(
     return {role: name for role, name in found.items() if name and role not in left_out}
 
 
+def find_leans(
+    table: ChannelTable,
+    loaded: Mapping[str, Array],
+    names: Mapping[str, str],
+    factors: Mapping[str, float],
+) -> dict[str, tuple[str, Array | None]]:
+    """Find the angles that lean a platform: axis -> channel and angle, as `Recording.leans`.
+
+    loaded: channel -> values in the file's units, (n,). names, factors: role -> channel, and the
+        factor to SI of its unit.
+    """
+    leans: dict[str, tuple[str, Array | None]] = {}
+    for axis, role in TILT.items():
+        name = names.get(role)
+        if name is None or name not in loaded or find_extent(loaded[name]) == 0.0:
+            continue
+        factor = factors.get(role)
+        if factor is None and (unit := table.unit(name) or imply_unit(role, name)):
+            with suppress(InputError):  # of another unit it is not known what the channel holds
+                factor = find_factor(unit, "angle", name)
+        leans[axis] = (name, None if factor is None else factor * loaded[name])
+    return leans
+
+
 def keep_axes(parts: Mapping[str, str], axes: Sequence[str]) -> dict[str, str]:
     """Return the parts (role -> channel) without the translations of axes not in `axes`."""
     others = [axis for axis in "xy" if axis not in axes]
@@ -106,20 +132,6 @@ def keep_axes(parts: Mapping[str, str], axes: Sequence[str]) -> dict[str, str]:
 def imply_unit(role: str, name: str) -> str:
     """Return the unit that FAST always uses for a channel, e.g. "deg" for PtfmPitch; else ""."""
     return "deg" if PARTS.get(role) == "angle" and strip(name).startswith("ptfm") else ""
-
-
-def find(names: Sequence[str], pattern: str) -> str | None:
-    """Return the first channel that matches the alternatives of a pattern, earlier ones first."""
-    for part in pattern.split("|"):
-        for name in names:
-            if re.fullmatch(part, strip(name)):
-                return name
-    return None
-
-
-def find_all(names: Sequence[str], pattern: str) -> list[str]:
-    """Return the channels whose names match a pattern, sorted."""
-    return sorted(name for name in names if re.fullmatch(pattern, strip(name)))
 
 
 def compose(

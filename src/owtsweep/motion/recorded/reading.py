@@ -19,18 +19,11 @@ from owtsweep.motion.recorded.columns import (
     refuse_without_time,
     to_si,
 )
-from owtsweep.motion.recorded.composing import (
-    TILT,
-    Hub,
-    compose,
-    find_angles,
-    find_extent,
-    imply_unit,
-)
+from owtsweep.motion.recorded.composing import Hub, compose, find_angles, find_leans, imply_unit
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
+from owtsweep.motion.recorded.units import DIMENSIONS
 
 GAPS = ("refuse", "interpolate")
 
@@ -70,7 +63,7 @@ def read(
     out = [role for role, name in (columns or {}).items() if not (name and str(name).strip())]
     angles = {} if "specific_force_x" in chosen else find_angles(table.names, chosen, out)
     loaded = _load(table, chosen.values(), angles.values(), rows)
-    leans = _find_leans(table, loaded, {**angles, **chosen}, factors)
+    leans = find_leans(table, loaded, {**angles, **chosen}, factors)
     channels = to_si(loaded, chosen, factors)
     del loaded
     time = channels.pop("time")
@@ -92,25 +85,6 @@ def _load(
         with suppress(InputError):  # a file is not refused for a channel that nobody asked for
             return table.load([*names, *more], rows)
     return table.load(names, rows)
-
-
-def _find_leans(
-    table: ChannelTable,
-    loaded: Mapping[str, Array],
-    names: Mapping[str, str],
-    factors: Mapping[str, float],
-) -> dict[str, tuple[str, Array | None]]:
-    leans: dict[str, tuple[str, Array | None]] = {}
-    for axis, role in TILT.items():
-        name = names.get(role)
-        if name is None or name not in loaded or find_extent(loaded[name]) == 0.0:
-            continue
-        factor = factors.get(role)
-        if factor is None and (unit := table.unit(name) or imply_unit(role, name)):
-            with suppress(InputError):  # of another unit it is not known what the channel holds
-                factor = find_factor(unit, "angle", name)
-        leans[axis] = (name, None if factor is None else factor * loaded[name])
-    return leans
 
 
 def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub: Hub) -> str:

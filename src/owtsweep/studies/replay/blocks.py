@@ -21,13 +21,7 @@ from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import ESTIMATED, NOISE, measure_baselines, name_second_run
-from owtsweep.studies.replay.record import (
-    LONG,
-    ReplayRecord,
-    count_replicates,
-    listen,
-    release_memory,
-)
+from owtsweep.studies.replay.record import LONG, ReplayRecord, count_replicates, listen
 from owtsweep.sweep.study import FAILED, OK, Block
 
 COLUMNS = (
@@ -112,7 +106,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
             rows = [_make_failed_row(name, 0, str(error))]
         else:
             rows = [*_run_block(config, record, block.content, noise)]
-            release_memory(record)
+            record.release_memory()
         table = pd.DataFrame([(label, *row) for row in rows], columns=list(COLUMNS))
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 

@@ -20,15 +20,7 @@ from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.record import (
-    LONG,
-    PIECE,
-    ReplayRecord,
-    Signals,
-    cut_into_pieces,
-    listen,
-    release_memory,
-)
+from owtsweep.studies.replay.record import LONG, ReplayRecord, Signals, cut_into_pieces, listen
 
 STATES = ("x", "y", "vx", "vy")
 DEVIATIONS = ("x_std", "y_std", "vx_std", "vy_std")
@@ -67,7 +59,7 @@ def estimate_pieces(
 
 def rotate_force(signals: Signals, sensors: hub.Sensors) -> Iterator[Array]:
     """Yield the measured specific force in NED coordinates, in m/s^2, in pieces of shape (n, 2)."""
-    return (piece @ sensors.rotation.T for piece in signals.force(PIECE))
+    return (piece @ sensors.rotation.T for piece in signals.force())
 
 
 def make_lanes(
@@ -123,7 +115,7 @@ def _run_kernel(
 def _run_estimator(
     estimator: Updating, sensors: hub.Sensors, signals: Signals, edges: Sequence[int]
 ) -> Iterator[Trajectory]:
-    force = hub.OnePassSeries(signals.force(PIECE), (signals.steps, 2))
+    force = hub.OnePassSeries(signals.force(), (signals.steps, 2))
     M = sensors.fix_interval
     for begin, end in itertools.pairwise(edges):
         positions = np.full((end - begin, 2), np.nan)
@@ -188,7 +180,7 @@ def write_estimates(
             break
         except SchemeFailed as error:  # start again, so that the files hold no part of this scheme
             del schemes[error.name]
-    release_memory(record)
+    record.release_memory()
 
 
 def _write_all(

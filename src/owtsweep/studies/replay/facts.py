@@ -18,7 +18,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import Source, load_record, name_source
 from owtsweep.studies.replay.measures import Measured
-from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, release_memory
+from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,7 +92,7 @@ def _summarise(key: Source) -> MotionSummary:
     except InputError as error:
         fitted = str(error)
     modes = find_modes(xy, record.step)
-    release_memory(record)
+    record.release_memory()
     return MotionSummary(
         source, len(xy), size, frequency[:shown].copy(), power[:shown].copy(), modes, fitted
     )

@@ -20,7 +20,7 @@ from owtsweep.studies.hub.public import Sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors, measure_rates
-from owtsweep.studies.replay.record import ReplayRecord, make_fixes, release_memory
+from owtsweep.studies.replay.record import ReplayRecord, make_fixes
 
 #: Bytes above which a record does not stay in memory beside another one.
 _MOST_BYTES = 1 << 28
@@ -58,7 +58,7 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
             if len(_KEPT) > 1 or any(one.nbytes > _MOST_BYTES for one in _KEPT.values()):
                 _KEPT.clear()  # first, to save memory
             _KEPT[source] = _load(config, file)
-            release_memory(_KEPT[source])
+            _KEPT[source].release_memory()
         return _KEPT[source]
 
 

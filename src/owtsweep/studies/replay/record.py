@@ -78,11 +78,10 @@ class ReplayRecord:
             raise TypeError(f"{self.file}: the record has no {name}")
         return series
 
-
-def release_memory(record: ReplayRecord) -> None:
-    """Give some 100 MB of freed memory back, if the record has more than `LONG` steps."""
-    if record.steps > LONG:
-        give_back_freed_memory()
+    def release_memory(self) -> None:
+        """Give some 100 MB of freed memory back, if the record has more than `LONG` steps."""
+        if self.steps > LONG:
+            give_back_freed_memory()
 
 
 @dataclass(frozen=True)
@@ -92,12 +91,12 @@ class Signals:
     steps: Number of IMU samples.
     fixes: in NED, shape (fixes, 2) in m; NaN where no fix came.
     force: yields the specific force in the IMU's frame from the record's start on, m/s^2, in pieces
-        of shape (n, 2) of so many steps; the last may be shorter.
+        of shape (n, 2) of so many steps, by default `PIECE`; the last may be shorter.
     """
 
     steps: int
     fixes: Array
-    force: Callable[[int], Iterator[Array]]
+    force: Callable[..., Iterator[Array]]
 
 
 def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
@@ -114,20 +113,15 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
     fixes = record.fixes
     if record.gnss != "recorded":
         fixes = fixes + fix_noise(config.sensors, sensors, steps, streams)
-    if record.specific_force is not None:  # recorded data already contain noise
-        recorded = record.specific_force
-        return Signals(
-            steps,
-            fixes,
-            lambda size: (recorded[begin : begin + size] for begin in range(0, steps, size)),
-        )
-    acceleration = record.given("acceleration")
 
-    def force(size: int) -> Iterator[Array]:
+    def force(size: int = PIECE) -> Iterator[Array]:
         noise = ForceNoise(config.sensors, sensors, streams)
         for begin in range(0, steps, size):
             stop = begin + size
-            felt = acceleration[begin:stop]
+            if record.specific_force is not None:  # recorded data already contain noise
+                yield record.specific_force[begin:stop]
+                continue
+            felt = record.given("acceleration")[begin:stop]
             if sensors.tilt != 0.0:
                 felt = felt - sensors.lean * record.given("position")[begin:stop]
             part = felt @ sensors.rotation  # R' (a - g tilt d)

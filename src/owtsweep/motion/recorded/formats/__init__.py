@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from pathlib import Path
 
 from owtsweep.errors import InputError, require
@@ -17,12 +16,7 @@ from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
 from owtsweep.motion.recorded.formats.hdf5 import open_gtsdf
 from owtsweep.motion.recorded.formats.matlab import open_mat
 from owtsweep.motion.recorded.formats.nmea import open_nmea
-from owtsweep.motion.recorded.formats.table import (
-    ChannelTable,
-    number_repeats,
-    require_channels,
-    tidy,
-)
+from owtsweep.motion.recorded.formats.table import ChannelTable, require_channels
 from owtsweep.motion.recorded.formats.text import open_text
 
 #: Extensions of text tables. Only these may be compressed (.gz).
@@ -54,8 +48,7 @@ def open_table(path: str | Path) -> ChannelTable:
     require(path.stat().st_size > 0, f"{path}: is empty")
     table = _open(path)
     require_channels(path, len(table.names))
-    names = number_repeats([tidy(name) for name in table.names])
-    return replace(table, names=names, units=tuple(map(tidy, table.units)))
+    return table.tidied()
 
 
 def _open(path: Path) -> ChannelTable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from owtsweep.arrays import Array
@@ -34,6 +34,11 @@ class ChannelTable:
     read: Read  # numbers in the file's units, NaN where missing
     rows: int | None = None  # as the file announces; text announces none
     notes: list[str] = field(default_factory=list)  # what `read` left out
+
+    def tidied(self) -> ChannelTable:
+        """Return the table with printable names and units, no name twice."""
+        names = number_repeats([tidy(name) for name in self.names])
+        return replace(self, names=names, units=tuple(map(tidy, self.units)))
 
     def unit(self, name: str) -> str:
         """Return the unit that the file states for a channel; "" if the file states none."""

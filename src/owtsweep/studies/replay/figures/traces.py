@@ -22,13 +22,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, WRITTEN, make_lanes, rotate_force
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import find_judging_steps, foresee_fixes
-from owtsweep.studies.replay.record import (
-    ReplayRecord,
-    Signals,
-    cut_into_pieces,
-    listen,
-    simulate_true_bias,
-)
+from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, simulate_true_bias
 
 #: Length of the longest "whole" view, s.
 SPAN = 200.0
@@ -84,7 +78,7 @@ class Session:
         self.config, self.estimates = config, estimates
         self.record = load_record(config, file)
         self.sensors = hub.make_sensors(config.sensors)
-        self.signals: Signals = listen(config, self.sensors, self.record, 0)
+        self.signals = listen(config, self.sensors, self.record, 0)
         try:
             stored = parquet.read_metadata(estimates)
         except (OSError, ValueError) as error:
