@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import require
 from owtsweep.motion.recorded.checks import find_gaps
 from owtsweep.motion.recorded.formats.table import MOST_STEPS
 from owtsweep.motion.recorded.recording import Comb, Recording, fit_comb
@@ -132,19 +132,17 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
-    end = min(float(span[1]) for span in spans)
-    if end - start < 1.0:
-        raise InputError(
-            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s of time; "
-            "at least 1 s is needed"
-        )
-    if not (end - start) * rate <= MOST_STEPS:
-        raise InputError(
-            f"{recording.path}: {end - start:.4g} s at {rate:g} Hz are {(end - start) * rate:.3g} "
-            f"steps, {160e-9 * (end - start) * rate:.3g} GB; at most {MOST_STEPS} are run: check "
-            "units.time, cut the record into parts, or lower sensors.imu.rate"
-        )
-    return TimeGrid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
+    length = min(float(span[1]) for span in spans) - start
+    shared = f"{', '.join(roles)} share {max(length, 0.0):.3g} s of time"
+    require(length >= 1.0, f"{recording.path}: {shared}; at least 1 s is needed")
+    steps = length * rate
+    require(
+        steps <= MOST_STEPS,
+        f"{recording.path}: {length:.4g} s at {rate:g} Hz are {steps:.3g} steps, "
+        f"{160e-9 * steps:.3g} GB; at most {MOST_STEPS} are run: check units.time, cut the record "
+        "into parts, or lower sensors.imu.rate",
+    )
+    return TimeGrid(start, rate, int(np.floor(steps + 1e-6)) + 1)
 
 
 def to_grid(recording: Recording, role: str, grid: TimeGrid) -> Array:
