@@ -46,7 +46,7 @@ def judge(words, overrides):
     mean = find(question.study, config).measure(answer.best)
     inside = mean.low <= told.value <= mean.high
     return {
-        **dict(word.partition("=")[::2] for word in words),
+        **{name: float(value) for name, _, value in (word.partition("=") for word in words)},
         "scheme": answer.best, "error": told.value, "low": mean.low, "high": mean.high,
         "inside": inside,
     }  # fmt: skip

@@ -56,7 +56,7 @@ def run_hme1(records: Records, tilt: float) -> dict[str, float]:
     config = changed(config, hme1=changed(config.hme1, tilt=tilt))
     settled = round(config.measures.settling_time / records.sensors.step)
     chain = resolve("HME1").kernel(Known(records.sensors, config), records.steps)
-    (sums,) = sum_errors([chain], records, settled, consistency=False)
+    (sums,) = sum_errors([chain], records, settled)
     motion, cross, noise = sums.products[1, :2].sum(axis=0).mean(axis=1) / sums.steps[1]
     mse = float(motion + 2.0 * cross + noise)
     return {"tilt": tilt, "mse": mse, "motion": float(motion), "noise": float(noise)}

@@ -24,13 +24,8 @@ POINTER = re.compile(r"`[A-Za-z_.]+`")
 
 #: Functions that still say neither; nobody may join them.
 SILENT = {
-    "results/cube.py: Cube.values",
-    "statistics/inference.py: p_value",
-    "studies/floater/schemes/linear.py: Linear.read",
     "studies/floater/schemes/printed.py: output_noise",
     "studies/floater/worlds.py: Recorded.find_frequencies",
-    "studies/mating/measures.py: compare_chances",
-    "studies/tower/schemes/filtered.py: noises_of_walks",
     "studies/tower/schemes/mde.py: Bands.integrate",
     "studies/tower/truth.py: find_damping",
     "verdicts/judge.py: Task.ratio",

@@ -12,8 +12,8 @@ from owtsweep.cli import DONE
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError, printable, shorten
 from owtsweep.io.reading import expand_home, read_json, require_folder
+from owtsweep.io.tables import read_map
 from owtsweep.sweep.manifest import read_manifest
-from owtsweep.sweep.multirun import read_map
 from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE
 
 #: Folders of runs may lie in folders of multiruns, and those in the folder that is listed.

@@ -137,18 +137,18 @@ class Config(Section):
             )
 
     def _check_scheduler(self, backend: str, scheduler: str | None) -> None:
-        dask = backend == "dask"
+        if backend != "dask":
+            require(
+                scheduler is None,
+                f"compute.scheduler: {scheduler!r} needs compute.backend=dask, not {backend}",
+            )
+            return
         require(
-            dask or scheduler is None,
-            f"compute.scheduler: {scheduler!r} needs compute.backend=dask, not {backend}",
-        )
-        require(
-            not dask or scheduler is not None,
+            scheduler is not None,
             "compute.scheduler: compute.backend=dask needs an address; give tcp://host:port",
         )
-        address = r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+"
         require(
-            not dask or re.fullmatch(address, str(scheduler)) is not None,
+            re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,
             f"compute.scheduler: {scheduler!r} is no address; give tcp://host:port",
         )
 

@@ -36,6 +36,7 @@ from owtsweep.estimation.windowing import schedule_row
 #: Largest scaled change of the covariance over an interval that still counts as settled.
 TOLERANCE = 1e-12
 #: Number of steps whose gains are computed at a time: few enough (1 ms) for an estimator on board.
+#: Always as many, so that it does not matter how a record is cut.
 CHUNK = 1024
 #: Held while gains are computed, which filters in several threads may share.
 _COMPUTING = Lock()

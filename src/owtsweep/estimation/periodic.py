@@ -13,8 +13,6 @@ Control 28(2); Lainiotis (1979) for composition.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import reduce
-from itertools import accumulate
 
 import numpy as np
 
@@ -58,10 +56,15 @@ class CovarianceMap:
 
     def repeat(self, times: int) -> CovarianceMap:
         """Return the map of this map applied `times` times, once or more."""
-        # the maps of 1, 2, 4, ... times; those of the binary digits of `times` are joined
-        doublings = range(1, times.bit_length())
-        doubled = accumulate(doublings, lambda each, _: each.then(each), initial=self)
-        return reduce(CovarianceMap.then, (e for bit, e in enumerate(doubled) if times >> bit & 1))
+        doubled, whole = self, None
+        while times:  # its binary digits, the lowest first
+            if times & 1:
+                whole = doubled if whole is None else whole.then(doubled)
+            times >>= 1
+            if times:
+                doubled = doubled.then(doubled)
+        assert whole is not None
+        return whole
 
 
 def make_prediction(A: Array, Q: Array) -> CovarianceMap:

@@ -88,3 +88,18 @@ def _is_exact(version: str) -> bool:
     """Return whether a version of pandas reads numbers exactly without an option: from 3.1 on."""
     major, minor = version.split(".")[:2]
     return (int(major), int(minor)) >= (3, 1)
+
+
+def read_map(run: Path) -> pd.DataFrame | None:
+    """Return the lines of a run's best_scheme.csv by its first criterion; None if there are none.
+
+    Then no case has succeeded, or the study makes no such table.
+    """
+    try:
+        best = read_table(run, "best_scheme")
+    except InputError:
+        return None
+    if best.empty or not {"criterion", "verdict", "error_best"} <= {*best.columns}:
+        return None
+    first: pd.DataFrame = best[best["criterion"] == best["criterion"].iloc[0]]
+    return first

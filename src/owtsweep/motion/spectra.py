@@ -105,6 +105,8 @@ def spectrum(
 
     Raise `InputError` if the printed spectrum does not exist for the natural period.
     """
-    if kind == "printed":
-        return printed(natural_period)
-    return translated(natural_period, bandwidth)
+    kinds = {
+        "translated": lambda: translated(natural_period, bandwidth),
+        "printed": lambda: printed(natural_period),
+    }
+    return kinds[kind]()

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from owtsweep._version import __version__
 from owtsweep.config import dump
 from owtsweep.errors import InputError, require
@@ -47,16 +49,32 @@ def make_dataset(
 
 
 def _make_part(contents: Contents) -> xarray.Dataset:
+    import xarray
+
     cube = contents.cube
-    axes = ["scheme", *cube.names, "window", "replicate"]
-    labels = cube.schemes, *cube.levels, cube.windows, cube.replicates
-    wide = cube.to_table().pivot(index=axes, columns="measure", values="value")
-    every = {name: list(of_axis) for name, of_axis in zip(axes, labels, strict=True)}
-    part: xarray.Dataset = wide.to_xarray().reindex(every)[list(cube.measures)]
-    for measure in cube.measures:
-        if criterion := contents.criteria.get(measure):
-            about = {"long_name": criterion.title, "error_unit": criterion.unit}
-            part[measure].attrs |= {**about, "holds": criterion.values}
-    for condition in cube.conditions:
-        part[condition.name].attrs |= {"long_name": condition.label, "units": condition.unit}
-    return part
+    shape = [len(cube.schemes), *map(len, cube.levels)]
+    values = np.full((*shape, len(cube.measures), len(cube.windows), len(cube.replicates)), np.nan)
+    for i in range(len(cube.schemes)):
+        for place in cube.outer_places():
+            values[(i, *place)] = cube.values(i, place)
+    dimensions = ("scheme", *cube.names, "window", "replicate")
+    variables = {}
+    for number, measure in enumerate(cube.measures):
+        criterion = contents.criteria.get(measure)
+        about = {} if criterion is None else {
+            "long_name": criterion.title, "error_unit": criterion.unit, "holds": criterion.values,
+        }  # fmt: skip
+        variables[measure] = (dimensions, values[..., number, :, :], about)
+    coordinates = {
+        condition.name: (
+            condition.name,
+            levels,
+            {"long_name": condition.label, "units": condition.unit},
+        )
+        for condition, levels in zip(cube.conditions, cube.levels, strict=True)
+    }
+    labels = {
+        "scheme": list(cube.schemes), "window": list(cube.windows),
+        "replicate": list(cube.replicates),
+    }  # fmt: skip
+    return xarray.Dataset(variables, coordinates | labels)

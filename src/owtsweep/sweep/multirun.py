@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
 from owtsweep.io.reading import read_json
-from owtsweep.io.tables import read_table
+from owtsweep.io.tables import read_map
 from owtsweep.report.several_page import make_multirun_page
 from owtsweep.results.answer import tell_counts
 from owtsweep.sweep.asked import PAGE
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 RECORD = "multirun.json"
 VERSION = 1
@@ -159,18 +159,3 @@ def _tell_verdicts(run: Path) -> list[str]:
     told = [f"{tuning}: {tell_counts(cells)}".removeprefix(": ") for tuning, cells in parts]
     low, high = shown["error_best"].min(), shown["error_best"].max()
     return [str(shown["criterion"].iloc[0]), " ".join(told), f"{low:.3g} to {high:.3g}"]
-
-
-def read_map(run: Path) -> pd.DataFrame | None:
-    """Return the lines of a run's best_scheme.csv by its first criterion; None if there are none.
-
-    Then no case has succeeded, or the study makes no such table.
-    """
-    try:
-        best = read_table(run, "best_scheme")
-    except InputError:
-        return None
-    if best.empty or not {"criterion", "verdict", "error_best"} <= {*best.columns}:
-        return None
-    first: pd.DataFrame = best[best["criterion"] == best["criterion"].iloc[0]]
-    return first

@@ -92,7 +92,7 @@ def _html(block: Block) -> str:
         case TextTable(columns, rows, numbers):
             kinds = ["number" if column in numbers else "" for column in columns]
             lines = ("".join(map(_cell, row, kinds)) for row in rows)
-            return f'<div class="wide">{frame_table("", columns, lines)}</div>'
+            return f'<div class="wide words">{frame_table("", columns, lines)}</div>'
 
 
 def _cell(text: str, kind: str) -> str:

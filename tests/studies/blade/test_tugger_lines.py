@@ -25,7 +25,8 @@ def sum_up(stiffness, damper, frequency):
 def test_lines_are_springs_and_dampers(stiffness, damper) -> None:
     frequency = np.linspace(0.0, 20.0, 2_000_001)
     power = [sum_up(*lines, frequency).sum() for lines in ((stiffness, damper), (0.0, 0.0))]
-    period, damping, sigma, gust = vars(hold(FREEDOM, stiffness, damper)).values()
+    held = hold(FREEDOM, stiffness, damper)
+    period, damping, sigma, gust = held.period, held.damping, held.sigma, held.gust
     assert sigma == pytest.approx(0.8 * np.sqrt(power[0] / power[1]), rel=1e-3)
     assert gust == pytest.approx(0.2 / (1.0 + stiffness))
     # the response to a push at 0 Hz and at the natural frequency
@@ -43,9 +44,9 @@ def test_lines_hold_the_heading_and_nothing_else() -> None:
     assert held[:, 3].std() < 0.6 * free[:, 3].std()
     config = make(*words)[0]
     (cell,) = CONTEST.list_cells(config)
-    period, damping, sigma, gust = vars(choose_freedoms(config, cell)["heading"]).values()
-    assert (period, gust) == pytest.approx((10.0, 0.05))
-    assert (damping, sigma) == pytest.approx((0.075, 0.8 / np.sqrt(12.0)))
+    held = choose_freedoms(config, cell)["heading"]
+    assert (held.period, held.gust) == pytest.approx((10.0, 0.05))
+    assert (held.damping, held.sigma) == pytest.approx((0.075, 0.8 / np.sqrt(12.0)))
     config = make(*words, "grid.heading=[2]")[0]
     (cell,) = CONTEST.list_cells(config)
     assert choose_freedoms(config, cell)["heading"].sigma == 2.0

@@ -125,7 +125,9 @@ def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:
     found = read_fixes(table, replace(ANTENNA, dimension=dimensions.get, needed=names), columns)
     position = found.stack(names)
     for i, (name, most) in enumerate((("latitude", 90.0), ("longitude", 360.0)) if globe else ()):
-        for row in np.flatnonzero(np.abs(position[:, i]) > most):
+        wrong = np.flatnonzero(np.abs(position[:, i]) > most)
+        if len(wrong):
+            row = wrong[0]
             raise InputError(
                 f"{table.path}: a {name} of {position[row, i]:g} degrees in data row {row + 1}; "
                 f"give decimal degrees up to {most:g}"

@@ -29,8 +29,8 @@ class FixTuning(Section):
         default="plain",
     )
     gate_probability: float = key(
-        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
-        "degrees of freedom; skf has one, for it judges each axis by itself)",
+        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, with "
+        "two degrees of freedom; with one in skf, which judges each axis by itself)",
         default=0.999,
         gt=0.0,
         lt=1.0,

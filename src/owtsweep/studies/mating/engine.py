@@ -76,7 +76,7 @@ class MatingEngine(ContestEngine["MatingConfig"]):
                 estimated = find_estimated_motion(of_blade, scheme, of_hub, config.hub_scheme)
                 try:
                     found = compare(true, estimated, config.limits, hold, config.record.settled)
-                except NotFinite as error:
+                except (NotFinite, ValueError) as error:
                     judged[scheme].append(explain(error))
                     continue
                 if of_blade.latencies[scheme] > 0.0:

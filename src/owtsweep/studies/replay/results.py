@@ -52,6 +52,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     }
     if len(labels) > 1:  # a single record that cannot be used is refused before it is run
         failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
+        failed = failed.drop_duplicates("file", keep="last")
         tables["refused"] = _sort(failed[["file", "reason"]].astype(str), file=labels)
     return tables
 

@@ -195,9 +195,11 @@ class IsoTimes:
         where = f"{self._path}: column {self._name}"
         there = pc.is_valid(texts).to_numpy(zero_copy_only=False)
         good = pc.match_substring_regex(texts, "^" + ISO_PATTERN).fill_null(True)
-        for wrong in texts.filter(pc.invert(good))[:1].to_pylist():
-            raise InputError(f"{where} holds times in ISO 8601, but also {wrong[:40]!r}")
-        self._zoned |= {*pc.match_substring_regex(texts, ZONE + "$").drop_null().to_pylist()}
+        wrong = texts.filter(pc.invert(good))
+        if len(wrong):
+            raise InputError(f"{where} holds times in ISO 8601, but also {wrong[0].as_py()[:40]!r}")
+        zoned = pc.match_substring_regex(texts, ZONE + "$")
+        self._zoned |= {*zoned.drop_null().unique().to_pylist()}
         require(
             len(self._zoned) < 2,
             f"{where}: some times state Z or an offset from UTC, others do not; write them in one "

@@ -243,7 +243,7 @@ class Gain(NamedTuple):
 
 
 def compare(before: Array, after: Array, power: float = 1.0) -> Gain:
-    """Compare a scheme's errors to some `power`.
+    """Compare a scheme's errors; `power` of what is judged gives an error, 0.5 of mean squares.
 
     before, after: what is judged of each record, shape (cells, records).
     """

@@ -86,7 +86,7 @@ def _find_most_likely(
     """Return the most likely parameters, encoded, and their log likelihood; `gain`: (2, 2)."""
     starts, bounds = _scan_delays(problem, stated, gain, SCAN)[0], _bounds(stated[3])
     found = [_climb(problem, start, bounds, gain=gain) for start in starts]
-    return max(found, key=lambda each: each[1])
+    return max(found, key=lambda each: np.nan_to_num(each[1], nan=-np.inf))
 
 
 def _scan_delays(
