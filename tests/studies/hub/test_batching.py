@@ -16,6 +16,7 @@ from owtsweep.studies.hub.declaration import find_declaration
 
 PRODUCTS = ["motion", "cross", "noise", "value"]
 ALL = ("schemes=[EKF,MKF,HME1,HME2]", "baselines=[NONE,HOLD,DELTA]")
+DIRECT = (*ALL, "evaluation=direct", "measures.extremes=true")
 OWN = ("schemes=[SKF,SKFA]", "record.duration=40", "grid.amplitude=[0.7]")
 
 
@@ -32,11 +33,15 @@ def make_rows(declaration: AnyDeclaration, config: HubConfig) -> pd.DataFrame:
 
 
 @pytest.mark.usefixtures("kernels")
-@pytest.mark.parametrize("tuning", ["paper", "matched"])
 @pytest.mark.parametrize(
-    "words",
-    [ALL, (*ALL, "evaluation=direct", "measures.extremes=true"), OWN],
-    ids=["superposed", "direct", "own"],
+    ("words", "tuning"),
+    [
+        (ALL, "paper"),
+        (ALL, "matched"),
+        (DIRECT, "paper"),
+        (DIRECT, "matched"),
+        (OWN, "matched"),  # SKF and SKFA have no tuning
+    ],
 )
 def test_kernels_give_the_rows_of_run_and_score(words: tuple[str, ...], tuning: str) -> None:
     config = configure(*words, "grid.replicates=2", tuning=tuning)
