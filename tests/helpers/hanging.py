@@ -8,7 +8,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.measures import Judged, compare
-from owtsweep.studies.blade.measuring import find_outages
+from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
 
 #: One cell without an outage, fibre-optic gyroscopes, everybody told the truth.
@@ -41,7 +41,7 @@ def run(name, setting, measured):
 def score(name, *words, replicate=0, short=True):
     """Return measure -> value of a scheme on a record."""
     config, motion, measured, setting = make(*words, replicate=replicate, short=short)
-    window = Judged(config.record.settled, find_outages(config, config.grid.outage[0], last=True))
+    window = Judged(config.record.settled, find_last_outage(config, config.grid.outage[0]))
     return compare(motion.truth, run(name, setting, measured), window)
 
 

@@ -269,11 +269,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return DONE
     except OSError as error:
-        too_many = error.errno in (errno.EMFILE, errno.ENFILE)
-        limit = "this process may not open more files; raise its limit (ulimit -n 1024)"
-        text = limit if too_many else as_text(error)  # stdout on a full disk, say
-        print(f"owtsweep: {text}", file=sys.stderr)
-        return BAD_INPUT if too_many else FAILED
+        if error.errno in (errno.EMFILE, errno.ENFILE):
+            text = "this process may not open more files; raise its limit (ulimit -n 1024)"
+            print(f"owtsweep: {text}", file=sys.stderr)
+            return BAD_INPUT
+        print(f"owtsweep: {as_text(error)}", file=sys.stderr)  # stdout on a full disk, say
+        return FAILED
 
 
 def same_command(arguments: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ import argparse
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from owtsweep.cli import DONE
 from owtsweep.config.stored import read_stored
@@ -127,14 +127,20 @@ def _describe_state(folder: Path, state: str) -> str:
     """
     if not os.path.lexists(folder / PLAN_FILE) or not (folder / "cases").is_dir():
         return "a copy without its cases"
-    stored: Any = read_json(folder / PLAN_FILE, MOST_BYTES)
-    try:
-        cases = {f"part-{key}.parquet": int(count) for key, _, count, *_ in stored["blocks"]}
-    except (KeyError, TypeError, ValueError, OverflowError):
-        raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again") from None
+    stored = read_json(folder / PLAN_FILE, MOST_BYTES)
+    blocks = stored.get("blocks") if isinstance(stored, dict) else None
+    if not isinstance(blocks, list):
+        raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again")
     there = {path.name for path in (folder / "cases").glob("part-*.parquet")}
-    missing = sum(count for name, count in cases.items() if name not in there)
+    cases = missing = 0
+    for block in blocks:
+        match block:
+            case [str(key), str(_), int(count), *_]:
+                cases += count
+                missing += count * (f"part-{key}.parquet" not in there)
+            case _:
+                raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again")
     if missing:
         running = ", running or killed" if state == "running" else ""
-        return f"{missing} of {sum(cases.values())} cases missing{running}"
+        return f"{missing} of {cases} cases missing{running}"
     return "finished" if state == "done" else f"all cases there, but {state}"

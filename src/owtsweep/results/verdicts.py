@@ -225,9 +225,10 @@ def _describe(
 
     def choose(among: Sequence[str]) -> str:
         """Return the best one of some contenders; "" if there is none."""
+        if cell.names[best] in among:
+            return cell.names[best]
         known = [name for name in among if np.isfinite(means[name])]
-        best_name = cell.names[best]
-        return best_name if best_name in among else min(known, key=means.__getitem__, default="")
+        return min(known, key=means.__getitem__, default="")
 
     pair = compared.get(second, _Pair(np.nan, np.nan, np.nan))
     scale = _scale(mean, pair)
@@ -251,7 +252,8 @@ def _describe(
         "ci_high": (pair.difference + pair.half) * scale,
     }
     if baselines:
-        line["baseline"] = name = choose([name for name in cell.names if name in baselines])
+        name = choose([name for name in cell.names if name in baselines])
+        line["baseline"] = name
         line["error_baseline"] = float(criterion.express(means.get(name, np.nan)))
     return line
 

@@ -145,9 +145,9 @@ def check_run(study: Study, config: Config) -> Run:
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Check that no row appears twice, and that each row that is not ok has a reason.
 
-    (Rows that lack a column, or have an unknown status, are not stored.) Raise `AssertionError` if
-    two rows agree in all `sort_columns` of the engine, if a row with the status "ok" has a reason,
-    or if another row has none.
+    `rows` are those of a run: the store refuses rows that lack a column, or have an unknown status.
+    Raise `AssertionError` if two rows agree in all `sort_columns` of the engine, if a row with the
+    status "ok" has a reason, or if another row has none.
     """
     identity = study.engine(config).sort_columns()
     repeated = rows[rows.duplicated(identity)]

@@ -13,7 +13,7 @@ from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, interpolate
 from owtsweep.studies.blade.cases import draw_start
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, ROOT, UNIT
-from owtsweep.studies.blade.measuring import find_outages
+from owtsweep.studies.blade.measuring import find_last_outage, find_outages
 
 STEP = 0.02
 
@@ -114,9 +114,9 @@ def test_the_last_outage_ends_with_the_record() -> None:
     assert (STEP * begins).tolist() == pytest.approx([45.0, 85.0], abs=1.5 * STEP)
     assert (STEP * ends).tolist() == pytest.approx([20.0 + 0.0 + 40.0], abs=1.5 * STEP)
     assert lost[-1]
-    last = find_outages(config, 15.0, last=True)
+    last = find_last_outage(config, 15.0)
     assert np.flatnonzero(last)[0] == pytest.approx(85.0 / STEP, abs=1)
-    assert find_outages(config, 0.0, last=True).sum() == 40.0 / STEP
+    assert find_last_outage(config, 0.0).sum() == 40.0 / STEP
 
 
 def test_the_lever_is_wrong_by_its_size() -> None:

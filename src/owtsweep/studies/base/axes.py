@@ -92,13 +92,15 @@ def check_axes(axes: Axes[Any], config: Any) -> None:
     require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
     for axis in axes.names:
         values = getattr(grid, axis)
+        if axis in chosen:
+            require(
+                values is not None,
+                f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
+                f"grid.{axis}=[1,10]",
+            )
+            continue
         require(
-            axis not in chosen or values is not None,
-            f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
-            f"grid.{axis}=[1,10]",
-        )
-        require(
-            axis in chosen or values is None or len(values) == 1,
+            values is None or len(values) == 1,
             f"grid.{axis}: it has {len(values or [])} values, and the map is over {across} and "
             f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
         )

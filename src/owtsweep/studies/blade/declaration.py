@@ -19,7 +19,7 @@ from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.doubts import warn_of_doubts
 from owtsweep.studies.blade.measures import Judged, compare
-from owtsweep.studies.blade.measuring import find_outages
+from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.recorded_case import compare_withheld
 from owtsweep.studies.blade.schemes import SCHEMES
 
@@ -68,7 +68,7 @@ def _inform(config: BladeConfig, cell: Cell, case: Case) -> dict[str, Part[Setti
 def _score(
     config: BladeConfig, cell: Cell, case: Case, parts: object, estimates: Mapping[str, Estimates]
 ) -> dict[str, float]:
-    window = Judged(config.record.settled, find_outages(config, cell["outage"], last=True))
+    window = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
     found = compare(case.truth, estimates[""], window)
     if case.withheld is not None:
         off = compare_withheld(estimates[""], case.withheld, case.start.geometry)

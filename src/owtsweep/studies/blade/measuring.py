@@ -87,18 +87,30 @@ def find_due(config: BladeConfig) -> NDArray[np.bool_]:
     return np.asarray(np.arange(config.record.steps) % every == 0)
 
 
-def find_outages(config: BladeConfig, length: float, *, last: bool = False) -> NDArray[np.bool_]:
+def find_outages(config: BladeConfig, length: float) -> NDArray[np.bool_]:
     """Return which samples fall into an outage of GNSS, shape (steps,).
 
     Outages end at multiples of `sensors.outage_every` after the settling, the last one in time for
-    the end of the record, in which the blade mates. With `last`, the samples are those that are
-    judged by the worst error: of the last outage, or, without outages, as many as come between two.
+    the end of the record, in which the blade mates.
     """
-    record, every = config.record, config.sensors.outage_every
-    sample = np.arange(record.steps)
-    before_end = (record.steps - 1 - sample) / record.rate
-    out = before_end < (length or every) if last else before_end % every < length
-    return np.asarray((sample >= record.settled) & out)
+    time, settled = _count_down(config)
+    return np.asarray(settled & (time % config.sensors.outage_every < length))
+
+
+def find_last_outage(config: BladeConfig, length: float) -> NDArray[np.bool_]:
+    """Return the samples of the last outage, which are judged by the worst error, shape (steps,).
+
+    Without an outage, they are as many as come between two.
+    """
+    time, settled = _count_down(config)
+    return np.asarray(settled & (time < (length or config.sensors.outage_every)))
+
+
+def _count_down(config: BladeConfig) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the time from each sample to the end, s, and whether it is past the settling."""
+    sample = np.arange(config.record.steps)
+    time = (config.record.steps - 1 - sample) / config.record.rate
+    return time, sample >= config.record.settled
 
 
 def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: float) -> Array:

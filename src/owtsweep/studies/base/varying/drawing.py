@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -60,7 +59,7 @@ def draw(errors: Errors) -> Figure:
 
 def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
     of_texts = isinstance(errors.values[0], str)
-    _draw_errors(axes, errors, number, of_texts=of_texts)
+    (_draw_marks if of_texts else _draw_curves)(axes, errors, number)
     curves.scale_axes(axes, errors.along, errors.values)
     if errors.along.scale == "linear" and not of_texts:
         every = -(-len(errors.values) // MOST_TICKS)
@@ -72,34 +71,46 @@ def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
     axes.set_title(errors.cells[number], loc="left", fontsize=10)
 
 
-def _draw_errors(axes: Axes, errors: Errors, number: int, *, of_texts: bool) -> None:
-    """Draw the errors over numbers as lines; over texts as marks, and lines as short ones."""
-    place = np.arange(len(errors.values)) if of_texts else np.array(errors.values, dtype=float)
-    reach = HALF_WIDTH if of_texts else 0.0
-    offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * reach
-
-    def draw_line(values: Array, **look: Any) -> None:
-        if of_texts:
-            axes.hlines(values, place - reach, place + reach, **look)
-        else:
-            axes.plot(place, values, **look)
-
+def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
+    """Draw the errors over numbers: a line for each scheme and those apart, and for the bound."""
+    place = np.array(errors.values, dtype=float)
     for n, name in enumerate(errors.names):
-        of_name, label = errors.error[n, :, number], style.label_of(name)
+        of_name = errors.error[n, :, number]
         if name in errors.apart:
-            draw_line(of_name, label=label, **curves.thin_line(style_of(name, errors.apart)))
+            drawn = style_of(name, errors.apart)
+            axes.plot(place, of_name, label=style.label_of(name), **curves.thin_line(drawn))
             continue
         drawn = style_of(name, errors.schemes)
-        look: style.Look = {"linestyle": "none", "markersize": 6}
-        if not of_texts:
-            # of lines that coincide, the best scheme's is seen
-            on_top = float(errors.best_scheme[n, :, number].mean())
-            look = {"linestyle": drawn.line, "markersize": 4.5, "zorder": 2.0 + on_top}
-        here = place + offsets[n]
-        axes.plot(here, of_name, color=drawn.color, marker=drawn.marker, label=label, **look)
-        _draw_interval(axes, errors, here, n, number)
+        # of lines that coincide, the best scheme's is seen
+        on_top = float(errors.best_scheme[n, :, number].mean())
+        axes.plot(
+            place, of_name, color=drawn.color, linestyle=drawn.line, marker=drawn.marker,
+            markersize=4.5, zorder=2.0 + on_top, label=style.label_of(name),
+        )  # fmt: skip
+        _draw_interval(axes, errors, place, n, number)
     if errors.bound is not None:
-        draw_line(errors.bound, **BOUND_LINE, **({} if of_texts else {"zorder": 3.5}))
+        axes.plot(place, errors.bound, zorder=3.5, **BOUND_LINE)
+
+
+def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
+    """Draw the errors over texts: marks for schemes, short lines for those apart and the bound."""
+    place = np.arange(len(errors.values))
+    ends = (place - HALF_WIDTH, place + HALF_WIDTH)
+    offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH
+    for n, name in enumerate(errors.names):
+        of_name = errors.error[n, :, number]
+        if name in errors.apart:
+            line = curves.thin_line(style_of(name, errors.apart))
+            axes.hlines(of_name, *ends, label=style.label_of(name), **line)
+            continue
+        drawn = style_of(name, errors.schemes)
+        axes.plot(
+            place + offsets[n], of_name, color=drawn.color, linestyle="none", marker=drawn.marker,
+            markersize=6, label=style.label_of(name),
+        )  # fmt: skip
+        _draw_interval(axes, errors, place + offsets[n], n, number)
+    if errors.bound is not None:
+        axes.hlines(errors.bound, *ends, **BOUND_LINE)
 
 
 def _draw_interval(axes: Axes, errors: Errors, place: Array, scheme: int, cell: int) -> None:
