@@ -97,7 +97,9 @@ def test_the_script_writes_the_report(home, monkeypatch, capsys):
         assert line in markdown
 
     html = Sources()
-    html.feed((folder / "fidelity.html").read_text(encoding="utf-8"))
+    page = (folder / "fidelity.html").read_text(encoding="utf-8")
+    assert '<div class="wide words">' in page  # tables of sentences, which wrap
+    html.feed(page)
     assert html.open == []
     assert len(html.loaded) == 4
     assert html.loaded[0] == "data:,"  # no icon is asked for
