@@ -174,8 +174,8 @@ class LateGains:
         self.model, self.first = model, first
         self._outputs = np.ascontiguousarray(outputs)
         self._rows = self._make_rows(0)
-        self._covariance, self._before = first.copy(), np.full_like(first, np.nan)
-        self._passed = {0: first.copy()}  # covariances before some steps
+        # covariances before some steps, of which the last is that after the last row
+        self._passed, self._before = {0: first}, np.full_like(first, np.nan)
         #: Whether the last interval's rows repeat for ever; otherwise the covariance still moves.
         self.repeats = False
 
@@ -190,12 +190,11 @@ class LateGains:
         with _COMPUTING:
             parts, filled = [self._rows], len(self._rows.fast)
             while filled < steps and not self.repeats:
-                more, self.repeats = self._compute(
-                    filled, CHUNK, self._covariance, self._before, TOLERANCE
-                )
+                P = self._passed[filled].copy()
+                more, self.repeats = self._compute(filled, CHUNK, P, self._before, TOLERANCE)
                 parts.append(more)
                 filled += len(more.fast)
-                self._passed[filled] = self._covariance.copy()
+                self._passed[filled] = P
             if len(parts) > 1:
                 self._rows = LateRows(*map(np.concatenate, zip(*parts, strict=True)))
             return self._rows
@@ -203,8 +202,8 @@ class LateGains:
     def find_covariance(self, step: int) -> Array:
         """Compute the covariance (N, N) of the state before a step, a multiple of the interval."""
         with _COMPUTING:
-            if self.repeats and step >= len(self._rows.fast):
-                return self._covariance.copy()
+            if self.repeats:
+                step = min(step, len(self._rows.fast))
             passed = max(one for one in self._passed if one <= step)
             P = self._passed[passed].copy()
             if passed < step:

@@ -166,9 +166,18 @@ class Cube:
         There is a line for each scheme and combination of conditions that has a value, which are
         the index. NaN stands where there is none.
         """
-        table = self.to_table()
-        chosen = table[(table["measure"] == measure) & (table["window"] == window)]
-        return chosen.pivot(index=["scheme", *self.names], columns="replicate", values="value")
+        import pandas as pd
+
+        names = ["scheme", *self.names]
+        if measure not in self.measures or window not in self.windows:
+            return pd.DataFrame(index=pd.MultiIndex.from_product([[] for _ in names], names=names))
+        parts = []
+        for place in self.outer_places():
+            outer = ([value] for value in self.name_outer(place).values())
+            lines = pd.MultiIndex.from_product([self.schemes, *outer, self.levels[-1]], names=names)
+            values = self.values_of(place, measure, window).reshape(len(lines), -1)
+            parts.append(pd.DataFrame(values, lines, self.replicates))
+        return pd.concat(parts).dropna(how="all")
 
     @classmethod
     def of_rows(

@@ -11,7 +11,6 @@ import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
@@ -20,9 +19,6 @@ from owtsweep.io.tables import read_map
 from owtsweep.report.several_page import make_multirun_page
 from owtsweep.results.answer import tell_counts
 from owtsweep.sweep.asked import PAGE
-
-if TYPE_CHECKING:
-    pass
 
 RECORD = "multirun.json"
 VERSION = 1
