@@ -19,7 +19,7 @@ from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
 from owtsweep.studies.blade.measures import Judged, compare
-from owtsweep.studies.blade.measuring import find_outages
+from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
 
 OUTAGES = (0.0, 10.0, 40.0)  # s
@@ -78,7 +78,7 @@ def judge(config, changes, schemes, records):
     for cell in CONTEST.list_cells(config):
         worlds = [make_world(config, cell, number) for number in range(records)]
         cases = [observe(config, cell, world) for world in worlds]
-        window = Judged(config.record.settled, find_outages(config, cell["outage"], last=True))
+        window = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
         for name, (change, told) in changes.items():
             changed = [change(case) for case in cases]
             for scheme in SCHEMES.resolve_all(schemes):

@@ -11,7 +11,7 @@ from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Truth
 from owtsweep.studies.blade.measures import Judged
-from owtsweep.studies.blade.measuring import find_outages
+from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.registry import compose
 
@@ -55,5 +55,5 @@ def simulate(config: BladeConfig, replicate: int) -> Record:
     """Make the record with a number of the only cell of a configuration."""
     (cell,) = CONTEST.list_cells(config)
     case = observe(config, cell, make_world(config, cell, replicate))
-    judged = Judged(config.record.settled, find_outages(config, cell["outage"], last=True))
+    judged = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
     return Record(replicate, config, case.truth, case.measured, case.tell(config, cell), judged)
