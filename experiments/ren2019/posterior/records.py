@@ -113,7 +113,8 @@ def simulate_records(reading: Reading, settings: Mapping[str, float], numbers: r
             means, peaks = measure(chains, feed, reading)
             for line, cell in enumerate(TABLE_CELLS.values()):
                 if cell.natural_period == period:
-                    mse = superpose(*np.moveaxis(means, 2, 0), cell.amplitude / peaks)
+                    motion, cross, noise = np.moveaxis(means, 2, 0)
+                    mse = superpose(motion, cross, noise, cell.amplitude / peaks)
                     found[line][..., first : first + WIDTH] = mse
     return found.reshape(-1, len(numbers))
 
