@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -152,12 +153,17 @@ def test_the_unit_cube_is_the_prior():
 
 def make_likelihood(**changes) -> Likelihood:
     """A likelihood whose schemes have an error of 1 (a logarithm of 0) wherever they are."""
+    scatter = records.Scatter(np.zeros(64), 0.01 * np.eye(64), 50.0)
+    return replace(Likelihood(READING, fit_flat_schemes(), scatter), **changes)
+
+
+@cache
+def fit_flat_schemes() -> dict[str, emulator.Emulator]:
     fitted = {}
     for scheme, settings in OF_SCHEME.items():
         design = np.random.default_rng(1).random((60, len(settings)))
         fitted[scheme], _ = emulator.fit(design, np.zeros((60, 14)) + 1e-9 * design[:, :1])
-    scatter = records.Scatter(np.zeros(64), 0.01 * np.eye(64), 50.0)
-    return replace(Likelihood(READING, fitted, scatter), **changes)
+    return fitted
 
 
 def test_the_likelihood_adds_components_by_the_directions_of_the_waves():
