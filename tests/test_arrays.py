@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from owtsweep.arrays import LINE, aligned, make_rows
+from owtsweep.arrays import LINE, Past, aligned, make_rows
 
 
 @pytest.mark.parametrize("shape", [(1, 8), (7, 8), (3, 11, 8), (5,)])
@@ -26,3 +27,15 @@ def test_the_rows_of_kernels_are_aligned_and_plain():
     assert made.ctypes.data % LINE == 0
     assert made.strides[0] % LINE == 0
     assert not made["p"].any()
+
+
+def test_the_past_is_the_last_columns_however_they_come():
+    rng, all_of_it = np.random.default_rng(1), np.zeros((2, 0))
+    past = Past(2, 10)
+    for count in rng.integers(0, 11, 50):
+        more = rng.standard_normal((2, count))
+        past.add(list(more))
+        all_of_it = np.hstack([all_of_it, more])
+        assert np.array_equal(past.values, all_of_it[:, -10:])
+    past.values[0] = 7.0  # what is kept can be changed
+    assert np.array_equal(past.values, [np.full(10, 7.0), all_of_it[1, -10:]])

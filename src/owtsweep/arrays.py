@@ -1,8 +1,9 @@
-"""Defines `Array`, the type of arrays in signatures, and makes arrays aligned in memory."""
+"""Defines `Array`, the type of arrays in signatures; makes arrays aligned in memory, or growing."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -42,3 +43,29 @@ def make_mixed_rows(fields: list[tuple[str, int]], count: int) -> Rows:
     """Make rows, all zero, whose fields are named with their numbers of lanes."""
     kind: Any = np.dtype([(name, np.float64, (lanes,)) for name, lanes in fields])
     return np.asarray(aligned(count, kind.itemsize // 8).view(kind)[:, 0])
+
+
+class Past:
+    """The last columns of an array that grows, at least as many as are asked for.
+
+    rows, kept: number of rows, and of columns that are kept.
+    """
+
+    def __init__(self, rows: int, kept: int) -> None:
+        # twice as long, so that it is seldom moved
+        self._columns, self._kept, self._stop = np.empty((rows, 2 * kept)), kept, 0
+
+    @property
+    def values(self) -> Array:
+        """The columns that are kept, shape (rows, up to `kept`), until more are added."""
+        return self._columns[:, max(self._stop - self._kept, 0) : self._stop]
+
+    def add(self, values: Sequence[Array]) -> None:
+        """Add columns, given as rows of one length, at most `kept`."""
+        count = len(values[0])
+        if self._stop + count > self._columns.shape[1]:
+            last = self.values
+            self._columns[:, : self._kept] = last
+            self._stop = self._kept
+        self._columns[:, self._stop : self._stop + count] = values
+        self._stop += count

@@ -16,12 +16,12 @@ from owtsweep.sweep.study import add_versions
 @pytest.mark.parametrize(
     ("name", "version"),
     [
-        ("hub", 10),
-        ("replay", 12),
+        ("hub", 11),
+        ("replay", 13),
         ("tower", 4),
         ("floater", 3),
         ("blade", 2),
-        ("mating", 13),
+        ("mating", 14),
     ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:

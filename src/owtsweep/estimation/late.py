@@ -173,9 +173,12 @@ class LateGains:
     def __init__(self, model: LateModel, first: Array, outputs: Array) -> None:
         self.model, self.first = model, first
         self._outputs = np.ascontiguousarray(outputs)
-        self._rows = self._make_rows(0)
+        # longer than what is filled, so that it seldom grows
+        self._rows, self._filled = self._make_rows(0), 0
         # covariances before some steps, of which the last is that after the last row
         self._passed, self._before = {0: first}, np.full_like(first, np.nan)
+        #: Number of steps whose gains are computed at a time, a multiple of the interval.
+        self.span = -(-CHUNK // model.interval) * model.interval
         #: Whether the last interval's rows repeat for ever; otherwise the covariance still moves.
         self.repeats = False
 
@@ -188,49 +191,52 @@ class LateGains:
         numbers of the model differ too much in magnitude.
         """
         with _COMPUTING:
-            parts, filled = [self._rows], len(self._rows.fast)
-            while filled < steps and not self.repeats:
-                P = self._passed[filled].copy()
-                more, self.repeats = self._compute(filled, CHUNK, P, self._before, TOLERANCE)
-                parts.append(more)
-                filled += len(more.fast)
-                self._passed[filled] = P
-            if len(parts) > 1:
-                self._rows = LateRows(*map(np.concatenate, zip(*parts, strict=True)))
-            return self._rows
+            while self._filled < steps and not self.repeats:
+                first, P = self._filled, self._passed[self._filled].copy()
+                if first + self.span > len(self._rows.fast):
+                    more = self._make_rows(max(first, self.span))
+                    self._rows = LateRows(*map(np.concatenate, zip(self._rows, more, strict=True)))
+                rows = self._cut(first, first + self.span)
+                filled, self.repeats = self._fill(first, P, self._before, TOLERANCE, rows)
+                self._filled += filled
+                self._passed[self._filled] = P
+            return self._cut(0, self._filled)
 
     def find_covariance(self, step: int) -> Array:
         """Compute the covariance (N, N) of the state before a step, a multiple of the interval."""
         with _COMPUTING:
             if self.repeats:
-                step = min(step, len(self._rows.fast))
+                step = min(step, self._filled)
             passed = max(one for one in self._passed if one <= step)
             P = self._passed[passed].copy()
             if passed < step:
-                self._compute(passed, step - passed, P, np.full_like(P, np.nan), 0.0)
+                rows = self._make_rows(step - passed)
+                self._fill(passed, P, np.full_like(P, np.nan), 0.0, rows)
             return P
 
-    def _compute(
-        self, first: int, steps: int, P: Array, before: Array, tolerance: float
-    ) -> tuple[LateRows, bool]:
-        """Compute the gains of all intervals of some steps; P and `before` are overwritten."""
-        fixes = -(-steps // self.model.interval)
-        rows = self._make_rows(fixes * self.model.interval, fixes)
+    def _fill(
+        self, first: int, P: Array, before: Array, tolerance: float, rows: LateRows
+    ) -> tuple[int, bool]:
+        """Fill the rows of some intervals as `fill_rows`; P and `before` are overwritten."""
         filled, repeats = fill_rows(first, self.model, P, self._outputs, tolerance, before, rows)
-        fixes = filled // self.model.interval
-        rows = LateRows(
-            rows.fast[:filled], rows.slow[:fixes], rows.variance[:fixes], rows.outputs[:filled]
-        )
-        variances = np.diagonal(rows.outputs, axis1=1, axis2=2)
+        variances = np.diagonal(rows.outputs[:filled], axis1=1, axis2=2)
         require(
             bool(np.all(np.isfinite(variances) & (variances > 0.0))),
             "skf: the filter's covariance is negative or infinite, because the variances of "
             "motion, sensors and bias differ too much in magnitude; use less extreme values",
         )
-        return rows, repeats
+        return filled, repeats
 
-    def _make_rows(self, steps: int, fixes: int = 0) -> LateRows:
-        N, c = len(self.first), len(self._outputs)
+    def _cut(self, first: int, stop: int) -> LateRows:
+        """Return the rows of some steps, whole intervals."""
+        rows, interval = self._rows, self.model.interval
+        fast, outputs = rows.fast[first:stop], rows.outputs[first:stop]
+        fixes = slice(first // interval, stop // interval)
+        return LateRows(fast, rows.slow[fixes], rows.variance[fixes], outputs)
+
+    def _make_rows(self, steps: int) -> LateRows:
+        """Make rows for some steps, whole intervals."""
+        N, c, fixes = len(self.first), len(self._outputs), steps // self.model.interval
         shapes = (steps, N), (fixes, N), (fixes,), (steps, c, c)
         return LateRows(*(np.empty(shape) for shape in shapes))
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.motion.ordinates import add_up
 from owtsweep.motion.spectra import translated
 
 #: Natural periods (s), squared half-bandwidths (s^-2) and variances (m^2) of the peaks. At 3.5 s,
@@ -31,6 +32,7 @@ VARIANCES = tuple(np.geomspace(1e-4, 30.0, 20).tolist())
 #: ordinate: the ratio of the window's noise bandwidth to the distance of the ordinates. And the
 #: mean square of the window.
 HANN, HANN_SQUARE = 1.5, 0.375
+_SIZES = np.array(VARIANCES)
 
 
 class Candidate(NamedTuple):
@@ -94,14 +96,17 @@ class Stretch:
         self._models = models = _make_models(len(force), of_force, fixes and fixes[1])
         step = of_force.step
         # the middle of a block of samples is half a block after its beginning
-        lines = transform(force, step, 0.5 * step)[models.inside]
+        of_all = transform(force, step, 0.5 * step)
+        #: One-sided periodogram of the force, (m/s^2)^2/Hz, at all ordinates.
+        self.of_force = compute_periodogram(of_all, len(force) * step)
+        lines = of_all[models.inside]
         if fixes is not None:
             values, known = fixes
             count = len(models.gain)
             of_fixes = transform(values, known.step, -known.delay)[models.inside][:count]
             weighed = lines[:count] / of_force.noise + of_fixes / (models.gain * models.fix_noise)
             lines[:count] = weighed * models.noise[:count]
-        self._periodogram = np.abs(lines) ** 2 * (2.0 / (HANN_SQUARE * len(force) * step))
+        self._periodogram = compute_periodogram(lines, len(force) * step)
 
     def compute_log_likelihood(self, sea: Sea) -> float:
         """Compute the log likelihood of a sea, up to a constant."""
@@ -118,9 +123,10 @@ class Stretch:
         if not beside:
             terms = models.constant[shape] + models.inverse[shape] @ self._periodogram
         else:
-            each = models.shapes[shape][..., None, :] * np.array(VARIANCES)[:, None]
-            density = each + self._sum(beside)
-            terms = (np.log(density) + self._periodogram / density).sum(axis=-1)
+            terms = np.zeros_like(models.constant[shape])
+            shapes = models.shapes[shape].reshape(-1, len(models.noise))
+            sums = terms.reshape(len(shapes), -1)
+            add_up(shapes, _SIZES, self._sum(beside), self._periodogram, sums)
         return np.asarray(-terms / HANN)
 
     def size(self, sea: Sea) -> Sea:
@@ -139,10 +145,9 @@ class Stretch:
 
         That is Rao's score test, of a little more variance of that shape.
         """
-        density = self._sum(sea)
-        shares = self._models.shapes / density
-        spread = np.sqrt(HANN * np.sum(shares**2, axis=-1))
-        scores = shares @ (self._periodogram / density - 1.0) / spread
+        density, models = self._sum(sea), self._models
+        spread = np.sqrt(HANN * (models.squares @ density**-2.0))
+        scores = models.shapes @ ((self._periodogram / density - 1.0) / density) / spread
         period, bandwidth = map(int, np.unravel_index(int(scores.argmax()), scores.shape))
         return (period, bandwidth), float(scores[period, bandwidth])
 
@@ -167,6 +172,11 @@ def transform(values: Array, step: float, first: float) -> NDArray[np.complex128
     return np.asarray(step * np.fft.rfft((values - values.mean()) * window) * turns)
 
 
+def compute_periodogram(lines: NDArray[np.complex128], time: float) -> Array:
+    """Compute the one-sided periodogram at ordinates of `transform`, over a time in s."""
+    return np.asarray((lines.real**2 + lines.imag**2) * (2.0 / (HANN_SQUARE * time)))
+
+
 @lru_cache(64)
 def _make_window(count: int, step: float, first: float) -> tuple[Array, NDArray[np.complex128]]:
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + first / step) / count)
@@ -185,7 +195,8 @@ class _Models(NamedTuple):
     """What all peaks make of the ordinates inside the band, in units of force.
 
     inside: where the ordinates are.
-    shapes: densities of the peaks for a variance of 1 m^2, (periods, bandwidths, ordinates).
+    shapes, squares: densities of the peaks for a variance of 1 m^2, and their squares, (periods,
+        bandwidths, ordinates).
     noise: density of the noise.
     inverse, constant: 1 / density of each peak with the noise, (periods, bandwidths, variances,
         ordinates), and the sum of its log densities.
@@ -195,6 +206,7 @@ class _Models(NamedTuple):
 
     inside: slice[int]
     shapes: Array
+    squares: Array
     noise: Array
     inverse: Array
     constant: Array
@@ -223,9 +235,10 @@ def _make_models(length: int, force: Force, fixes: Fixes | None) -> _Models:
         red = 4.0 * fixes.time / (1.0 + (omega[:count] * fixes.time) ** 2)
         fix_noise = 2.0 * fixes.sigma**2 * fixes.step + fixes.red**2 * red
         noise[:count] = 1.0 / (1.0 / force.noise + 1.0 / (gain[:count] ** 2 * fix_noise))
-    models = shapes[:, :, None] * np.array(VARIANCES)[:, None] + noise
+    models = shapes[:, :, None] * _SIZES[:, None] + noise
     constant = np.log(models).sum(axis=-1)
-    return _Models(inside, shapes, noise, 1.0 / models, constant, gain[:count], fix_noise)
+    given = gain[:count], fix_noise
+    return _Models(inside, shapes, shapes**2, noise, 1.0 / models, constant, *given)
 
 
 @lru_cache(1024)
@@ -237,5 +250,5 @@ def _integrate(period: float, bandwidth: float, band: tuple[float, float]) -> fl
 def _find_mean(likelihood: Array) -> int:
     """Return the index of the variance nearest to the mean, given the log likelihood of each."""
     weights = np.exp(likelihood - likelihood.max())
-    mean = weights @ np.array(VARIANCES) / weights.sum()
+    mean = weights @ _SIZES / weights.sum()
     return int(np.argmin(np.abs(np.log(VARIANCES) - np.log(mean))))

@@ -55,6 +55,8 @@ class SpectrumTracker:
         self._noise, self._band = 2.0 * force_sigma**2 * step, band
         self.step, self.lean = step * self._block, lean
         self.chosen: Sea | None = None
+        #: The motion above the band at the last look, where no sea has any.
+        self.above = Motion(0.0, 0.0)
 
     def average(self, force: Array) -> Array:
         """Return means over blocks of samples (n,), of which the last ends with the record."""
@@ -74,6 +76,7 @@ class SpectrumTracker:
         if count is None:
             return None
         whole = self._cut(force, fixes, count)
+        self.above = self._measure_above(whole.of_force, count)
         recent = self._cut(force, fixes, min(count, round(OF_VARIANCE / self.step)))
         now = self.chosen
         best = self._find(whole) if now is None or not _suffices(now, whole) else now
@@ -119,15 +122,14 @@ class SpectrumTracker:
             best, greatest = sea, float(likelihood.max())
         return best
 
-    def measure_above(self, force: Array) -> Motion:
-        """Estimate the motion above the band, where no sea has any; `force` is as for `look`.
+    def _measure_above(self, periodogram: Array, length: int) -> Motion:
+        """Estimate the motion above the band from the periodogram of averaged samples.
 
         The estimate begins at `ABOVE` times the band's upper edge, which a Hann window keeps free
         of what is inside the band. A variance may be slightly below zero, by chance.
         """
-        above, second, fourth = _list_above(len(force), self.step, self._band[1])
-        excess = compute_periodogram(force, self.step, above) - self._noise
-        excess /= len(force) * self.step
+        above, second, fourth = _list_above(length, self.step, self._band[1])
+        excess = (periodogram[above] - self._noise) / (length * self.step)
         return Motion(float(np.sum(excess / fourth)), float(np.sum(excess / second)))
 
 
@@ -140,22 +142,6 @@ def _suffices(sea: Sea, stretch: Stretch) -> bool:
         return True
     gain = stretch.compute_log_likelihood(sized) - stretch.try_peaks().max()
     return bool(gain > GAIN)
-
-
-def compute_periodogram(force: Array, step: float, ordinates: slice[int]) -> Array:
-    """Compute some ordinates of the one-sided periodogram of samples (n,), with a Hann window.
-
-    The result is in the samples' unit^2/Hz.
-    """
-    window, square = _make_window(len(force))
-    lines = np.fft.rfft((force - force.mean()) * window)[ordinates]
-    return np.asarray(np.abs(lines) ** 2 * (2.0 * step / square))
-
-
-@lru_cache(64)
-def _make_window(length: int) -> tuple[Array, float]:
-    window = np.hanning(length)
-    return window, float(np.sum(window**2))
 
 
 @lru_cache(64)

@@ -89,6 +89,32 @@ def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("kernels")
+def test_after_a_lost_fix_the_gains_are_the_models_again() -> None:
+    """Where that is does not depend on how a record is cut."""
+    config = configure("sensors.imu.rate=20")
+    sensors = sensing.sensors(config.sensors)
+    axis = make_sea_model((Candidate(14, 1, 8),), 0.01, config.skf, sensors, BAND)
+    rng, M = np.random.default_rng(1), sensors.fix_interval
+    force, fixes = rng.standard_normal(6000), np.full(6000, np.nan)
+    fixes[::M] = rng.standard_normal(len(fixes[::M]))
+    fixes[[100 * M, 103 * M]] = np.nan
+    whole, cut, kalman = (
+        make(axis) for make in (CompiledAxisFilter, CompiledAxisFilter, KalmanAxisFilter)
+    )
+    found, exact = whole.take(force, fixes), kalman.take(force, fixes)
+    weighs = []
+    for first in range(0, 6000, 7):
+        part = cut.take(force[first : first + 7], fixes[first : first + 7])
+        np.testing.assert_array_equal(part.state, found.state[first : first + 7])
+        weighs.append(cut._weighed is not None)
+    assert weighs.count(True) > 0
+    assert weighs[0] == weighs[-1] is False
+    sigma = np.sqrt(np.diagonal(exact.covariance, axis1=1, axis2=2))
+    assert np.max(np.abs(found.state - exact.state) / sigma) < 1e-5
+    assert np.max(np.abs(found.covariance[:, 0, 0] / sigma[:, 0] ** 2 - 1.0)) < 1e-5
+
+
+@pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("rule", ["plain", "gate", "huber"])
 @pytest.mark.parametrize("scheme", ["SKF", "SKFA"])
 def test_batch_equals_online_with_each_rule(scheme: str, rule: str) -> None:
@@ -120,7 +146,7 @@ def test_red_noise_of_fixes_is_found_and_not_taken_for_motion() -> None:
         "sensors.gnss.correlation.sigma=0.1", "sensors.gnss.correlation.time=300",
     )  # fmt: skip
     estimators, square, nees = run(config, 0.1)
-    tracked = [filter.red for estimator in estimators for filter in estimator._filters]
+    tracked = [filter.told.red for estimator in estimators for filter in estimator._filters]
     assert set(tracked) <= {0.03, 0.1, 0.3}
     assert square < 1e-3
     assert nees < 2.0
@@ -175,7 +201,7 @@ def test_fixes_noisier_or_quieter_than_said_cost_little() -> None:
     squares: list[float] = []
     for told, least, most in ((1.0, 0.9, 1.1), (1.0 / 3.0, 2.4, 4.1), (3.0, 0.3, 0.71)):
         estimators, square, nees = run(config, 0.1, told=told)
-        levels = [filter.white for estimator in estimators for filter in estimator._filters]
+        levels = [filter.told.white for estimator in estimators for filter in estimator._filters]
         assert least < np.median(levels) < most
         squares.append(square)
         assert square < 1.1 * squares[0]  # 27 times if a third of the noise were believed
@@ -342,12 +368,14 @@ def test_motion_above_the_band_is_measured() -> None:
     swing = 0.05 * np.sin(2.0 * np.pi * 1.7 * time)
     force = -((2.0 * np.pi * 1.7) ** 2) * swing
     tracker = SpectrumTracker(0.01, 0.0, 0.0, BAND)
-    above = tracker.measure_above(tracker.average(force))
+    tracker.look(tracker.average(force))
+    above = tracker.above
     # averaging over .1 s takes 10 % of the variance at 1.7 Hz
     assert above.position == pytest.approx(np.var(swing), rel=0.12)
     assert above.velocity == pytest.approx(np.var(swing) * (2.0 * np.pi * 1.7) ** 2, rel=0.12)
     below = 0.05 * np.sin(2.0 * np.pi * 0.3 * time) * -((2.0 * np.pi * 0.3) ** 2)
-    assert tracker.measure_above(tracker.average(below)).velocity < 1e-9
+    tracker.look(tracker.average(below))
+    assert tracker.above.velocity < 1e-9
 
 
 def test_records_without_time_for_a_look_are_warned_of(caplog: pytest.LogCaptureFixture) -> None:

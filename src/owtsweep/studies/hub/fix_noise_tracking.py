@@ -19,8 +19,7 @@ from math import ceil, log2
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.candidates import HANN
-from owtsweep.motion.tracking import compute_periodogram
+from owtsweep.motion.candidates import HANN, compute_periodogram, transform
 
 #: Standard deviations of the red noise among which one is chosen, m.
 SIZES = (0.0, 0.03, 0.1, 0.3)
@@ -70,7 +69,8 @@ class FixNoiseTracker:
             return self._chosen
         whole = fixes[-lengths[-1] :]
         constant, inverse, below = _make_models(len(whole), sigma, *self._given)
-        periodogram = compute_periodogram(whole, self._step, below)
+        lines = transform(whole, self._step, 0.0)[below]
+        periodogram = compute_periodogram(lines, len(whole) * self._step)
         likelihood = -(constant + inverse @ periodogram) / HANN
         best, now = int(likelihood.argmax()), SIZES.index(self._chosen)
         if likelihood[best] - likelihood[now] > GAIN:

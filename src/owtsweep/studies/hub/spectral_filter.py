@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
@@ -13,6 +14,11 @@ from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
 
 if TYPE_CHECKING:
     from owtsweep.estimation.weighing import WeighedState
+
+
+#: Greatest scaled difference of two covariances that count as one: it moves an estimate by a
+#: millionth of its standard deviation.
+SAME = 1e-6
 
 
 class AxisEstimates(NamedTuple):
@@ -110,7 +116,7 @@ class CompiledAxisFilter:
     """The Kalman filter of one axis, compiled; `rule` and `bias` are as of `KalmanAxisFilter`.
 
     Its gains are those of the model as long as all fixes arrive and count fully. From the first fix
-    on that does not, they follow from the fixes.
+    on that does not, they follow from the fixes, until the covariance is that of the model again.
     """
 
     def __init__(self, axis: SpectralAxis, rule: FixRule = PLAIN, bias: float = 0.0) -> None:
@@ -122,6 +128,7 @@ class CompiledAxisFilter:
         self._lanes.x["x"][len(axis.model.Q)] = bias
         self._weighing = Weighing(rule.limit, rule.name == "huber", rule.patience)
         self._weighed: WeighedState | None = None  # None while all fixes count fully
+        self._odd_at = 0  # the last step at which a fix did not
 
     @property
     def bias(self) -> float:
@@ -129,29 +136,32 @@ class CompiledAxisFilter:
         return float(x[len(self._axis.model.Q)])
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        if self._weighed is not None:
-            return self._weigh(force, fixes)
+        parts, done = [], 0
+        while done < len(force):
+            take = self._follow if self._weighed is None else self._weigh
+            parts.append(take(force[done:], fixes[done:]))
+            done += len(parts[-1].state)
+        return join(parts)
+
+    def _follow(self, force: Array, fixes: Array) -> AxisEstimates:
+        """Run on the model's own gains until a fix does not count fully."""
         before, interval = self._lanes.x.copy(), self._axis.model.interval
         due = np.arange(-self._step % interval, len(force), interval)
-        result = self._follow(force, fixes, due)
+        result = self._run(force, fixes, due)
         distance = np.abs(result.innovation[due]) / np.sqrt(result.variance[due])
         # a missing fix has the distance NaN
         odd = due[~(distance <= self._weighing.limit)]
-        if not len(odd):
+        if len(odd):
+            stop = int(odd[0])
+            self._lanes.x[:] = before
+            result = self._run(force[:stop], fixes[:stop], due[due < stop])
+            self._step += stop
+            self._start_weighing()
+        else:
             self._step += len(force)
-            return result
-        stop = int(odd[0])
-        self._lanes.x[:] = before
-        result = self._follow(force[:stop], fixes[:stop], due[due < stop])
-        self._step += stop
-        self._start_weighing()
-        after = self._weigh(force[stop:], fixes[stop:])
-        return AxisEstimates(
-            *(np.concatenate(arrays) for arrays in zip(result, after, strict=True))
-        )
+        return result
 
-    def _follow(self, force: Array, fixes: Array, due: NDArray[np.int64]) -> AxisEstimates:
-        """Run on the model's own gains, which take each fix that is due to count fully."""
+    def _run(self, force: Array, fixes: Array, due: NDArray[np.int64]) -> AxisEstimates:
         from owtsweep.estimation.late import follow, prepare_estimates
 
         steps, model = len(force), self._axis.model
@@ -169,17 +179,42 @@ class CompiledAxisFilter:
         """Go on, at a step at which a fix is due, with gains that follow from the fixes."""
         from owtsweep.estimation.weighing import WeighedState
 
-        covariance = self._axis.gains.find_covariance(self._step)
         x = self._lanes.x["x"][:, 0].copy()
-        self._weighed = WeighedState(x, covariance, np.zeros(1, dtype=np.int64))
+        self._weighed = WeighedState(x, self._find_covariance(), np.zeros(1, dtype=np.int64))
+
+    def _find_covariance(self) -> Array:
+        """Return the covariance before the next step if all fixes had counted fully."""
+        gains = self._axis.gains
+        rows = gains.find(min(self._step, LONGEST_TRANSIENT))
+        return gains.find_covariance(min(self._step, len(rows.fast)))
 
     def _weigh(self, force: Array, fixes: Array) -> AxisEstimates:
+        """Run on gains that follow from the fixes, up to where the model's may do again."""
         from owtsweep.estimation.weighing import WeighedEstimates, follow_weighing
 
-        filled = AxisEstimates.make_empty(len(force))
+        assert self._weighed is not None
+        weighed, model, span = self._weighed, self._axis.model, self._axis.gains.span
+        steps = min(span - self._step % span, len(force))
+        filled = AxisEstimates.make_empty(steps)
         follow_weighing(
-            self._step, np.ascontiguousarray(force), np.ascontiguousarray(fixes), self._axis.model,
-            self._axis.outputs, self._weighing, self._weighed, WeighedEstimates(*filled),
+            self._step, np.ascontiguousarray(force[:steps]), np.ascontiguousarray(fixes[:steps]),
+            model, self._axis.outputs, self._weighing, weighed, WeighedEstimates(*filled),
         )  # fmt: skip
-        self._step += len(force)
+        due = np.arange(-self._step % model.interval, steps, model.interval)
+        odd = due[~(filled.weight[due] == 1.0)]
+        if len(odd):
+            self._odd_at = self._step + int(odd[-1])
+        self._step += steps
+        if self._step % span == 0 and self._step - self._odd_at >= span:
+            covariance = self._find_covariance()
+            scale = np.sqrt(np.diagonal(covariance))
+            if np.all(np.abs(weighed.P - covariance) <= SAME * np.outer(scale, scale)):
+                self._lanes.x["x"][:, 0], self._weighed = weighed.x, None
         return filled
+
+
+def join(parts: Sequence[AxisEstimates]) -> AxisEstimates:
+    """Join the estimates of successive steps."""
+    if len(parts) == 1:
+        return parts[0]
+    return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))

@@ -34,7 +34,7 @@ WIDE_VARIANCE, WIDE = 10.0, 4.0
 SHARED = 3
 
 
-@lru_cache(48)  # their gains take 1 to 3 MB per 9000 steps
+@lru_cache(96)  # their gains take 1 to 3 MB per 9000 steps
 def make_sea_model(
     sea: Sea | None,
     bias_variance: float,

@@ -18,10 +18,12 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, Past
 from owtsweep.motion.candidates import Fixes, Sea
 from owtsweep.motion.tracking import INTERVAL, OF_SHAPE, Motion, SpectrumTracker
 from owtsweep.studies.hub.fix_noise_tracking import FixNoiseTracker, find_level
@@ -29,7 +31,7 @@ from owtsweep.studies.hub.fix_rules import FixRule
 from owtsweep.studies.hub.lean_tracking import LeanTracker
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors
-from owtsweep.studies.hub.spectral_filter import AxisEstimates, AxisFilter
+from owtsweep.studies.hub.spectral_filter import AxisEstimates, AxisFilter, join
 from owtsweep.studies.hub.spectral_model import SpectralAxis
 from owtsweep.studies.hub.tracked_models import make_sea_model
 
@@ -48,12 +50,27 @@ CALM = 0.2
 #: The variance, m^2, up to which fixes help the IMU to see the spectrum. In a larger motion they
 #: are not needed, and an outlier that was not refused would be taken for motion.
 FAINT = 0.01
+#: At each how many looks the lean is looked at, which hardly ever changes.
+LOOKS_AT_LEAN = 3
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
-#: Rows of the history: measurements, and what each of two filters made of the fixes: those that it
-#: refused replaced by its predictions, and their log likelihoods. Of the filter that assumes next
-#: to nothing, also the squares of the scaled innovations, refused or not.
-FORCE, FIXES, KEPT, LIKELY, KEPT_WIDE, LIKELY_WIDE, FAR_WIDE = range(7)
+#: Rows of what is kept of fixes: as measured, and what each of two filters made of them: with
+#: refused ones replaced by its predictions, and their log likelihoods. Of the filter that assumes
+#: next to nothing, also the squares of the scaled innovations, refused or not.
+FIXES, KEPT, LIKELY, KEPT_WIDE, LIKELY_WIDE, FAR_WIDE = range(6)
+
+
+class Told(NamedTuple):
+    """What a filter is told of the measurements.
+
+    red: standard deviation of the fixes' red noise, m.
+    white: the fixes' white noise over what it is said to be.
+    lean: specific force by leaning, s^-2.
+    """
+
+    red: float
+    white: float
+    lean: float
 
 
 class TrackingFilter:
@@ -93,11 +110,12 @@ class TrackingFilter:
         self._between = between * sensors.fix_interval
         looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
         self._again = looks * self._between
-        kept = max(self._again + sensors.fix_interval, round(OF_SHAPE / sensors.step))
-        self._kept = kept
-        # twice as long as what is kept, so that it is seldom moved
-        self._history = np.empty((7, 2 * kept + self._between))
-        self._steps = self._filled = 0
+        kept = max(self._again, round(OF_SHAPE / sensors.step)) + self._between
+        self._interval, self._steps = sensors.fix_interval, 0
+        # at all steps, and at those at which a fix is due: twice as many, for the level of noise
+        self._measured = Past(2, kept)
+        self._judged = Past(6, 2 * kept // self._interval)
+        self._last = slice(-(kept // self._interval), None)
         # steps and biases at the looks of the last minute
         self._biases = deque([(0, 0.0)], maxlen=looks + 2)
         # squared scaled innovations: between the looks, since the last look, of the last few
@@ -106,14 +124,11 @@ class TrackingFilter:
         self._few: Array = np.empty(0)
         #: The sea that is assumed; None while next to nothing is.
         self.model: Sea | None = None
-        #: Standard deviation of the fixes' red noise in use, m.
-        self.red = tuning.red_sigma or 0.0
-        #: The fixes' white noise in use over what it is said to be.
-        self.white = 1.0
-        self._told_at = 0  # the step from which on the level in use shows in the history
-        axis = self._make(None, tuning.bias_variance, self.red)
+        #: What is likely of noise and lean now, and what the filter in use was told.
+        self.told = self._in_use = Told(tuning.red_sigma or 0.0, 1.0, lean)
+        self._level_at = 0  # the step from which on the white noise in use shows in what is kept
+        axis = self._make(None, tuning.bias_variance)
         self._wide = self._filter = start(axis, self._hasty_rule, 0.0)
-        self._told_wide = self.red, lean, self.white
         self._was_beaten = False
         self._force_sigma = np.inf  # of an IMU sample, by the model
         self._stated = np.zeros((2, 2))  # covariance of the last estimate
@@ -121,11 +136,6 @@ class TrackingFilter:
     @property
     def bias(self) -> float:
         return self._filter.bias
-
-    @property
-    def _sigma(self) -> float:
-        """Standard deviation of the fixes' white noise in use, m."""
-        return self.white * self._sensors.position_sigma
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
         parts, done = [], 0
@@ -135,35 +145,36 @@ class TrackingFilter:
             done += len(parts[-1].state)
             if self._steps % self._between == 0:
                 self._look()
-        if len(parts) == 1:
-            return parts[0]
-        return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        return join(parts)
 
     def _follow(self, force: Array, fixes: Array) -> AxisEstimates:
         """Take measurements until the next look, or until one contradicts the model, inclusive."""
         result = self._filter.take(force, fixes)
-        scores = _score(result)
         steps = len(force)
+        due = np.arange(-self._steps % self._interval, steps, self._interval)
+        innovations = _pick(result, due)
+        scores = _score(innovations)
         is_alarmed = False
         if self.model is not None:
             struck = np.flatnonzero(np.abs(force - self._biases[-1][1]) > FAR * self._force_sigma)
             late = _find_alarm(self._few, scores)
             ends = [int(struck[0])] if len(struck) else []
             if late is not None:
-                ends.append(int(np.flatnonzero(result.weight > 0.0)[late]))
+                ends.append(int(due[innovations.weight > 0.0][late]))
             if ends:
                 is_alarmed, steps = True, min(ends) + 1
                 result = AxisEstimates(*(array[:steps] for array in result))
-                scores = _score(result)
-        measured = force[:steps], fixes[:steps]
-        wide = result
-        of_wide = judged = _judge_fixes(measured[1], result)
+                due = due[due < steps]
+                innovations = _pick(result, due)
+                scores = _score(innovations)
+        force, fixes = force[:steps], fixes[:steps]
+        wide = innovations
         if self.model is not None:
-            wide = self._wide.take(*measured)
-            of_wide = _judge_fixes(measured[1], wide)
-        now = slice(self._filled, self._filled + steps)
-        self._history[:, now] = [*measured, *judged, *of_wide, _square(wide)]
-        self._filled += steps
+            wide = _pick(self._wide.take(force, fixes), due)
+        measured = fixes[due]
+        self._measured.add([force, fixes])
+        of_wide = *_judge(measured, wide), wide.square
+        self._judged.add([measured, *_judge(measured, innovations), *of_wide])
         self._steps += steps
         self._fresh.append(scores)
         self._few = np.concatenate([self._few, scores])[-(FEW - 1) :]
@@ -177,77 +188,76 @@ class TrackingFilter:
         self._biases.append((self._steps, self._filter.bias))
         self._scores.append(np.concatenate([np.empty(0), *self._fresh]))
         self._fresh = []
-        used = min(self._filled, self._kept + self._between)
-        force = self._tracker.average(self._history[FORCE, self._filled - used : self._filled])
-        interval = self._sensors.fix_interval
-        first = self._filled - used + (used - self._steps) % interval
-        kept = self._history[:, first : self._filled : interval]
-        noise = self.red, self._tuning.red_time
-        is_off = self._look_at_level()
-        of_fixes = Fixes(self._sensors.fix_step, self._delay, self._sigma, *noise)
+        force = self._tracker.average(self._measured.values[0])
+        judged = self._judged.values[:, self._last]
+        white = self._find_white()
+        sigma = white * self._sensors.position_sigma
+        noise = sigma, self.told.red, self._tuning.red_time
+        of_fixes = Fixes(self._sensors.fix_step, self._delay, *noise)
         is_faint = self.model is not None and _sum_variances(self.model) < FAINT
-        wanted = self._tracker.look(force, (kept[KEPT], of_fixes) if is_faint else None)
-        above = self._tracker.measure_above(force)
+        wanted = self._tracker.look(force, (judged[KEPT], of_fixes) if is_faint else None)
+        above = self._tracker.above
         is_calm = wanted is None or _is_calm(wanted)
-        red, lean = self._look_at_fixes(kept, force, is_calm)
-        is_off |= lean != self._tracker.lean
-        self._tracker.lean = lean
-        if self._told_wide != (self.red, lean, self.white):
+        red = self._find_red(judged[KEPT], sigma, is_calm)
+        told = Told(red, white, self._find_lean(force, judged[FIXES]))
+        if told != self.told:
+            self.told, self._tracker.lean = told, told.lean
             self._tell_wide()
-        if wanted is not None and ((wanted, red) != (self.model, self.red) or is_off):
-            self._change(wanted, above, red)
+        if wanted is not None and (wanted, told) != (self.model, self._in_use):
+            self._change(wanted, above)
         if self.model is not None:
             scores = np.concatenate([*self._scores, *self._fresh])
-            past = self._history[:, self._filled - used : self._filled]
-            self._was_beaten = _is_beaten(past)
+            self._was_beaten = _is_beaten(judged)
             if self._was_beaten or _is_contradicted(scores) or _is_blind(self._stated, above):
                 self._give_up()
-        if self._filled + self._between > self._history.shape[1]:
-            first = self._filled - self._kept
-            self._history[:, : self._kept] = self._history[:, first : self._filled]
-            self._filled = self._kept
 
-    def _look_at_fixes(self, kept: Array, force: Array, is_calm: bool) -> tuple[float, float]:
-        """Return the size of the red noise, m, and the lean, s^-2, that fixes make likely.
+    def _find_white(self) -> float:
+        """Return the level of the fixes' white noise that is likely, over what it is said to be."""
+        now, fixes = self.told.white, (self._steps - self._level_at) // self._interval
+        level = find_level(self._judged.values[FAR_WIDE, -fixes:], now)
+        if level != now:
+            self._level_at = max(self._steps - self._again, 0)
+        return level
 
-        kept: the history at the last steps at which a fix was due.
-        force: the specific force, averaged, up to now.
+    def _find_red(self, fixes: Array, sigma: float, is_calm: bool) -> float:
+        """Return the size of the red noise, m, that fixes (n,) make likely.
+
+        sigma: standard deviation of the fixes' white noise, m.
         is_calm: whether the motion is so small that red noise can be told from it.
         """
-        noise, leaning = self._noise_tracker, self._lean_tracker
-        red, lean = self.red, self._tracker.lean
-        if noise is not None:
-            red = noise.look(kept[KEPT], self._sigma) if is_calm else noise.forget()
-        if leaning is not None:
-            lean = leaning.look(force, kept[FIXES])
-        return red, lean
+        if self._noise_tracker is None:
+            return self.told.red
+        return self._noise_tracker.look(fixes, sigma) if is_calm else self._noise_tracker.forget()
 
-    def _look_at_level(self) -> bool:
-        """Take the level of the fixes' white noise that is likely; return whether it is another."""
-        steps = min(self._steps - self._told_at, self._filled)
-        level = find_level(self._history[FAR_WIDE, self._filled - steps : self._filled], self.white)
-        is_other = level != self.white
-        if is_other:
-            self.white, self._told_at = level, max(self._steps - self._again, 0)
-        return is_other
+    def _find_lean(self, force: Array, fixes: Array) -> float:
+        """Return the lean, s^-2, that the averaged force (n,) and fixes (m,) make likely."""
+        look = self._steps // self._between
+        if self._lean_tracker is None or look % LOOKS_AT_LEAN:
+            return self.told.lean
+        return self._lean_tracker.look(force, fixes)
 
-    def _change(self, model: Sea, above: Motion, red: float) -> None:
+    def _change(self, model: Sea, above: Motion) -> None:
         """Filter the last minute again with another model, and go on with it unless it is wrong.
 
         After a model was beaten by the filter that assumes next to nothing, the next one must have
-        predicted the fixes better.
+        predicted the fixes better. If there is news of noise or lean, that filter has predicted the
+        minute again, so the new predictions of this one count too.
         """
         rule = self._rule if _is_calm(model) else self._hasty_rule
-        axis, filter, again, result = self._filter_again(model, red, rule)
-        scores, stated = _score(result), result.covariance[-1]
-        kept, likely = _judge_fixes(again[FIXES], result)
+        axis, filter, again, result = self._filter_again(model, rule)
+        innovations = _pick(result, slice(None, None, self._interval))
+        scores, stated = _score(innovations), result.covariance[-1]
+        kept, likely = _judge(again[FIXES], innovations)
         # a filter that has just started predicts badly
         gains = (likely - again[LIKELY_WIDE])[len(likely) // 2 :]
         if self._was_beaten and np.nansum(gains) <= 0.0:
             return
         if not (_is_contradicted(scores) or _is_blind(stated, above)):
-            self.model, self.red, self._filter, self._stated = model, red, filter, stated
             again[KEPT] = kept
+            if self.told != self._in_use:
+                again[LIKELY] = likely
+            self.model, self._in_use = model, self.told
+            self._filter, self._stated = filter, stated
             self._was_beaten = False
             self._force_sigma = _compute_force_sigma(axis)
             self._scores.clear()
@@ -255,36 +265,39 @@ class TrackingFilter:
 
     def _give_up(self) -> None:
         """Go on with the filter that assumes next to nothing of the motion."""
-        self.model, self._filter = None, self._wide
-        past = self._history[:, : self._filled]
-        past[[KEPT, LIKELY]] = past[[KEPT_WIDE, LIKELY_WIDE]]
+        self.model, self._in_use, self._filter = None, self.told, self._wide
+        judged = self._judged.values
+        judged[[KEPT, LIKELY]] = judged[[KEPT_WIDE, LIKELY_WIDE]]
 
     def _tell_wide(self) -> None:
         """Let the filter that assumes next to nothing know noise and lean as they are now."""
-        self._told_wide = self.red, self._tracker.lean, self.white
-        _, self._wide, again, result = self._filter_again(None, self.red, self._hasty_rule)
-        again[KEPT_WIDE:] = [*_judge_fixes(again[FIXES], result), _square(result)]
+        _, self._wide, again, result = self._filter_again(None, self._hasty_rule)
+        innovations = _pick(result, slice(None, None, self._interval))
+        again[KEPT_WIDE:] = [*_judge(again[FIXES], innovations), innovations.square]
         if self.model is None:
             self._give_up()
 
     def _filter_again(
-        self, model: Sea | None, red: float, rule: FixRule
+        self, model: Sea | None, rule: FixRule
     ) -> tuple[SpectralAxis, AxisFilter, Array, AxisEstimates]:
-        """Start a filter a minute ago; return its model, itself, that minute, and its estimates."""
-        interval = self._sensors.fix_interval
-        first = max(self._steps - self._again, 0) // interval * interval
+        """Start a filter a minute ago; return its model, itself, that minute, and its estimates.
+
+        Of that minute, what is kept of the fixes is returned.
+        """
+        first = max(self._steps - self._again, 0)
         bias = next(bias for step, bias in reversed(self._biases) if step <= first)
         variance = BIAS_SIGMA**2 if first else self._tuning.bias_variance
-        axis = self._make(model, variance, red)
+        axis = self._make(model, variance)
         filter = self._start(axis, rule, bias)
-        again = self._history[:, self._filled - (self._steps - first) : self._filled]
-        return axis, filter, again, filter.take(again[FORCE], again[FIXES])
+        steps = self._steps - first
+        again = self._judged.values[:, -(steps // self._interval) :]
+        return axis, filter, again, filter.take(*self._measured.values[:, -steps:])
 
-    def _make(self, model: Sea | None, bias_variance: float, red: float) -> SpectralAxis:
+    def _make(self, model: Sea | None, bias_variance: float) -> SpectralAxis:
+        red, white, lean = self.told
         return make_sea_model(
-            model, bias_variance, self._tuning, self._sensors, self._band, red, self._tracker.lean,
-            self.white,
-        )  # fmt: skip
+            model, bias_variance, self._tuning, self._sensors, self._band, red, lean, white
+        )
 
 
 def _sum_variances(sea: Sea) -> float:
@@ -295,40 +308,53 @@ def _is_calm(sea: Sea) -> bool:
     return _sum_variances(sea) < CALM
 
 
-def _score(estimates: AxisEstimates) -> Array:
+class _Innovations(NamedTuple):
+    """Innovations of fixes that were due, their variances, and their weights, shape (fixes,)."""
+
+    innovation: Array
+    variance: Array
+    weight: Array
+
+    @property
+    def square(self) -> Array:
+        """The squares of the scaled innovations, NaN without a fix."""
+        return self.innovation**2 / self.variance
+
+
+def _pick(estimates: AxisEstimates, due: slice | NDArray[np.int64]) -> _Innovations:
+    return _Innovations(*(array[due] for array in estimates[2:]))
+
+
+def _score(innovations: _Innovations) -> Array:
     """Return the weighed squares of the innovations over their variances, shape (fixes,).
 
     A fix that is refused has none: it says nothing of the model. One that is taken after too many
     were refused has its full square, by which the guard gives the model up.
     """
-    there = estimates.weight > 0.0
-    return np.asarray((estimates.weight * _square(estimates))[there])
+    there = innovations.weight > 0.0
+    return np.asarray((innovations.weight * innovations.square)[there])
 
 
-def _square(estimates: AxisEstimates) -> Array:
-    """Return the squares of the scaled innovations (steps,), NaN without a fix."""
-    return estimates.innovation**2 / estimates.variance
-
-
-def _judge_fixes(fixes: Array, estimates: AxisEstimates) -> tuple[Array, Array]:
-    """Return fixes (steps,), those that were refused as predicted, and their log likelihoods.
+def _judge(fixes: Array, innovations: _Innovations) -> tuple[Array, Array]:
+    """Return fixes, those that were refused as predicted, and their log likelihoods.
 
     A fix that is far off counts as one at the edge of what a right model lets through; one that is
     refused does not count.
     """
-    innovation, variance, is_refused = *estimates[2:4], estimates.weight == 0.0
-    squares = np.minimum(_square(estimates), _find_limit(1, 1.0 - CONFIDENCE))
+    innovation, variance, weight = innovations
+    is_refused = weight == 0.0
+    squares = np.minimum(innovations.square, _find_limit(1, 1.0 - CONFIDENCE))
     likely = np.where(is_refused, np.nan, -0.5 * (np.log(variance) + squares))
     return np.where(is_refused, fixes - innovation, fixes), likely
 
 
-def _is_beaten(past: Array) -> bool:
+def _is_beaten(judged: Array) -> bool:
     """Return whether the other filter predicted fixes clearly better, since any time in the past.
 
     That is Page's test. Under a right model, the chance that a likelihood ratio ever reaches r is
     at most 1 / r (Ville 1939).
     """
-    gains = past[LIKELY] - past[LIKELY_WIDE]
+    gains = judged[LIKELY] - judged[LIKELY_WIDE]
     return bool(np.min(np.cumsum(gains[~np.isnan(gains)][::-1]), initial=0.0) < np.log(ALARM))
 
 

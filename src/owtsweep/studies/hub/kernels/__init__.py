@@ -18,4 +18,4 @@ the run.
 
 #: Version of the kernels' numbers. Raise it whenever a change of the kernels alters a number that a
 #: study stores, and list the change in CHANGELOG.md.
-NUMERICS_VERSION = 8
+NUMERICS_VERSION = 9
