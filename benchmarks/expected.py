@@ -98,7 +98,7 @@ def map_of(overrides: Sequence[str]) -> None:
 def nothing_known() -> Iterator[None]:
     """Hide all stored error curves, in memory and in files, inside a `with` block."""
     with tempfile.TemporaryDirectory() as empty, patch.dict(os.environ, XDG_CACHE_HOME=empty):
-        cache.find_entry.cache_clear()
+        cache.KEPT.clear()
         yield
 
 
@@ -117,7 +117,7 @@ def measure(
         work = partial(map_of, [f"tuning={tuning}"])
 
         def from_files(work: Callable[[], None] = work) -> None:
-            cache.find_entry.cache_clear()
+            cache.KEPT.clear()
             work()
 
         with nothing_known():

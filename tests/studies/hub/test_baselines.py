@@ -131,7 +131,7 @@ def test_records_scatter_around_the_expectation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cache, "folder", lambda: tmp_path / "cache")
-    cache.find_entry.cache_clear()
+    cache.KEPT.clear()
     common = [
         *SMALL, ALL, "schemes=[MKF]", "tuning=matched", f"results={tmp_path}", "normalise=rms",
         "record.duration=100", "grid.replicates=32", "grid.natural_period=[3.5,7]",

@@ -36,7 +36,7 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cache, "folder", lambda: tmp_path / "cache")
-    cache.find_entry.cache_clear()
+    cache.KEPT.clear()
 
 
 def probe_of(name: str, config: HubConfig) -> tuple[Chain, Sensors, int, int]:
@@ -218,14 +218,14 @@ def test_cached_numbers_are_the_same_and_damage_is_noticed() -> None:
 
     for _ in range(2):
         assert list(cache.cached({"x": 1}, compute)["a"]) == [1.0, 2.0]
-    cache.find_entry.cache_clear()
+    cache.KEPT.clear()
     cache.cached({"x": 1}, compute)
     assert len(calls) == 1
     (file,) = cache.folder().glob("*.npz")
     data = bytearray(file.read_bytes())
     data[-20] ^= 1
     file.write_bytes(data)
-    cache.find_entry.cache_clear()
+    cache.KEPT.clear()
     cache.cached({"x": 1}, compute)
     cache.cached({"x": 2}, compute)
     assert len(calls) == 3

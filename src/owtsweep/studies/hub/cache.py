@@ -12,33 +12,41 @@ import io
 import json
 import os
 import threading
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Greatest number of entries in memory. The cache folder has no limit; the user may empty it.
-KEPT = 64
 #: Files and folders of the package with the code that the cached numbers depend on.
 SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
 
-@dataclass
-class Entry:
-    """Arrays by name, None until they are known; whoever reads or computes them holds the lock."""
-
-    lock: threading.Lock = field(default_factory=threading.Lock)
-    arrays: dict[str, Array] | None = None
+V = TypeVar("V")
 
 
-@lru_cache(KEPT)
-def find_entry(key: str) -> Entry:
-    """Return the cache's entry in memory for a key, a hash; make an empty one if there is none."""
-    return Entry()
+class Kept(Generic[V]):
+    """The values in memory that were used last, by key, at most so many of them."""
+
+    def __init__(self, most: int) -> None:
+        # of each key a lock, which whoever makes the value holds, and the value once it is made
+        self._find = lru_cache(most)(lambda key: (threading.Lock(), list[V]()))
+        self.clear = self._find.cache_clear
+
+    def find(self, key: Hashable, make: Callable[[], V]) -> V:
+        """Return the value of a key, which is made once: threads that need the same one wait."""
+        lock, made = self._find(key)
+        with lock:
+            if not made:
+                made.append(make())
+            return made[0]
+
+
+#: The cache in memory. The cache folder has no limit; the user may empty it.
+KEPT: Kept[dict[str, Array]] = Kept(64)
 
 
 def folder() -> Path:
@@ -54,14 +62,16 @@ def cached(what: Mapping[str, object], compute: Callable[[], dict[str, Array]]) 
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
-    path, entry = folder() / f"{key}.npz", find_entry(key)
-    with entry.lock:  # threads that need the same arrays wait for the first thread
-        if entry.arrays is None:
-            entry.arrays = _read(path)
-        if entry.arrays is None:
-            entry.arrays = compute()
-            _write(path, entry.arrays)
-        return entry.arrays
+    path = folder() / f"{key}.npz"
+
+    def recall() -> dict[str, Array]:
+        arrays = _read(path)
+        if arrays is None:
+            arrays = compute()
+            _write(path, arrays)
+        return arrays
+
+    return KEPT.find(key, recall)
 
 
 def _read(path: Path) -> dict[str, Array] | None:

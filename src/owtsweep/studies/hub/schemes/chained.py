@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections import OrderedDict
 from operator import attrgetter
-from threading import Lock
 from typing import Literal
 
 from numpy.typing import ArrayLike
 
+from owtsweep.studies.hub.cache import Kept
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, Parts, chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme, run_stepwise
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 
-#: Greatest number of chains in the cache: four schemes under each of two tunings, and three
-#: baselines. A chain whose gains settle slowly takes up to 100 MB.
-_KEPT_CHAINS = 11
-_CHAINS: OrderedDict[tuple[object, ...], Chain] = OrderedDict()
-_MAKING: dict[tuple[object, ...], Lock] = {}
-_LOCK = Lock()
+#: The chains in memory: of four schemes under each of two tunings, and of three baselines. A chain
+#: whose gains settle slowly takes up to 100 MB.
+CHAINS: Kept[Chain] = Kept(11)
 
 
 class ChainScheme(Scheme):
@@ -47,19 +43,12 @@ class ChainScheme(Scheme):
     def _share(self, known: Known, steps: int, *, for_runs: bool) -> Chain:
         sections = tuple(repr(attrgetter(section)(known.tuning)) for section in self.sections)
         key = (type(self), self.name, known.sensors, steps, for_runs, *sections)
-        with _LOCK:
-            making = _MAKING.setdefault(key, Lock())
-        with making:  # only threads that need the same chain wait
-            with _LOCK:
-                chain = _CHAINS.get(key)
-            if chain is None:
-                made = self.make_chain(known, steps)
-                chain = made.for_runs() if for_runs else made
-                with _LOCK:
-                    _CHAINS[key] = chain
-                    while len(_CHAINS) > _KEPT_CHAINS:
-                        _MAKING.pop(_CHAINS.popitem(last=False)[0], None)
-            return chain
+
+        def make() -> Chain:
+            made = self.make_chain(known, steps)
+            return made.for_runs() if for_runs else made
+
+        return CHAINS.find(key, make)
 
 
 class FilterScheme(ChainScheme):
