@@ -9,7 +9,8 @@ import numpy as np
 from dense import Array, Measurement, Posterior, posterior
 
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
-from owtsweep.estimation.gains import GainSchedule, schedule
+from owtsweep.estimation.gains import RULES, GainSchedule, schedule
+from owtsweep.estimation.riccati import TwoRates
 
 SLOW = np.array([1.0, 0.0, 0.0, 0.0])
 FAST = np.array([0.0, 0.0, 1.0, -1.0])
@@ -31,16 +32,15 @@ def model() -> Discrete:
 @cache
 def gains() -> GainSchedule:
     """Its schedule."""
-    return schedule(
-        model(),
-        slow=SLOW,
-        fast=FAST,
-        slow_variance=SLOW_VARIANCE,
-        fast_variance=FAST_VARIANCE,
-        initial_covariance=PRIOR,
-        interval=INTERVAL,
-        steps=10_000,
-    )
+    return schedule(rates("proper"), PRIOR, interval=INTERVAL, steps=10_000)
+
+
+def rates(
+    rule: str, slow_variance: float = SLOW_VARIANCE, fast_variance: float = FAST_VARIANCE
+) -> TwoRates:
+    """The model with its measurements; `rule` is one of `RULES`."""
+    A, Q = model().A, model().Q
+    return TwoRates(A, Q, SLOW, FAST, slow_variance, fast_variance, RULES.index(rule))
 
 
 class Filtered(NamedTuple):

@@ -49,8 +49,7 @@ def test_the_stored_cycle_repeats() -> None:
 
 def test_fresh_marks_the_steps_with_a_slow_measurement() -> None:
     gains = schedule(
-        problem.model(), slow=problem.SLOW, fast=problem.FAST, slow_variance=1.0, fast_variance=1.0,
-        initial_covariance=problem.PRIOR, interval=2, steps=500, rule="mask_rows",
+        problem.rates("mask_rows", 1.0, 1.0), problem.PRIOR, interval=2, steps=500,
         start_interval=6, start_steps=12,
     )  # fmt: skip
     assert np.flatnonzero(gains.fresh[:18]).tolist() == [0, 6, 12, 14, 16]
@@ -61,8 +60,4 @@ def test_fresh_marks_the_steps_with_a_slow_measurement() -> None:
 
 def test_a_covariance_that_turns_negative_is_refused() -> None:
     with pytest.raises(InputError, match=r"update_rule: 'mask_rows' .* use 'proper'"):
-        schedule(
-            problem.model(), slow=problem.SLOW, fast=problem.FAST, slow_variance=1e-6,
-            fast_variance=1e-2, initial_covariance=problem.PRIOR, interval=10, steps=500,
-            rule="mask_rows",
-        )  # fmt: skip
+        schedule(problem.rates("mask_rows", 1e-6, 1e-2), problem.PRIOR, interval=10, steps=500)

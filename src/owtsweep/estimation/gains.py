@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
 from owtsweep.errors import InputError
-from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
+from owtsweep.estimation.windowing import leaving
 
 #: Rules for steps without a slow measurement (a position fix); see REPRODUCTION.md, rows "Alg. 6"
 #: and "EKF". Equations and sections are those of Ren et al. (2019).
@@ -69,24 +70,15 @@ class GainSchedule:
 
     def fresh_before(self, step: int) -> int:
         """Return the number of new slow measurements in the steps 0 to `step` - 1."""
-        stored = self.fresh[:step]
-        cycles, rest = divmod(step - len(stored), self.cycle)
-        last = self.fresh[self.rows - self.cycle :]
-        before, each, begun = (int(np.count_nonzero(f)) for f in (stored, last, last[:rest]))
-        return before + cycles * each + begun
+        return int(np.count_nonzero(self.fresh[self.row(np.arange(step))]))
 
 
 def schedule(
-    model: Discrete,
-    *,
-    slow: Array,
-    fast: Array,
-    slow_variance: float,
-    fast_variance: float,
+    rates: TwoRates,
     initial_covariance: Array,
+    *,
     interval: int,
     steps: int,
-    rule: str = "proper",
     start_interval: int | None = None,
     start_steps: int = 0,
 ) -> GainSchedule:
@@ -95,21 +87,14 @@ def schedule(
     The recursion stops when the covariances repeat, or after `steps` steps, the length of the
     longest record (rounded up to a multiple of `interval`).
 
-    slow, fast: rows (states,) of the measurement matrix. If `fast` is all zero, the fast signal is
-        an input of the model and not a measurement.
-    slow_variance, fast_variance: variances of the noise of the two measurements.
     initial_covariance: covariance (states, states) of the state one step before the first step.
     interval: number of steps from one slow measurement to the next; step 0 has one.
-    rule: how a step without a slow measurement is treated, one of `RULES`.
     start_interval, start_steps: in the first `start_steps` steps, slow measurements come every
         `start_interval` steps (None: every `interval`).
     Raises InputError if a variance of a state becomes negative or not finite, because the rule or
     the noise variances make the recursion unstable.
     """
-    from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
-
-    n = len(slow)
-    rates = TwoRates(model.A, model.Q, slow, fast, slow_variance, fast_variance, RULES.index(rule))
+    n, rule = len(rates.A), RULES[rates.rule]
     pattern = Pattern(interval, start_interval or interval, start_steps)
     rows = min(4096, steps)
     gains = GainRows(*(np.empty((0, *shape)) for shape in ((n, 2), (), (n, n), (n, n))))
@@ -199,8 +184,6 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
     C, D: one row per row of `gains`: C has the shape (rows, states, states), D (rows, states, 2).
         The two columns of D_k belong to the slow and to the fast measurement.
     """
-    from owtsweep.estimation.windowing import leaving
-
     C, D = aligned(*gains.filtered.shape), aligned(*gains.K.shape)
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
         stop = min(first + _ROWS_AT_ONCE, gains.rows)

@@ -83,23 +83,14 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
     for i in range(n):
         has_fast = has_fast or fast[i] != 0.0
     AP, L, LP = work[0], work[1], work[2]
-    for i in range(n):
-        for j in range(n):
-            total = 0.0
-            for m in range(n):
-                total += A[i, m] * P[m, j]
-            AP[i, j] = total
+    multiply(A, P, AP)
     for i in range(n):
         for j in range(n):
             total = Q[i, j]
             for m in range(n):
                 total += AP[i, m] * A[j, m]
             Pm[i, j] = total
-    for i in range(n):
-        for j in range(i):
-            mean = 0.5 * (Pm[i, j] + Pm[j, i])
-            Pm[i, j] = mean
-            Pm[j, i] = mean
+    make_symmetric(Pm)
 
     use_slow = is_slow or rule != PROPER
     ss, ff, sf = r_slow, r_fast, 0.0
@@ -136,12 +127,7 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
         for j in range(n):
             L[i, j] = -K[i, 0] * slow[j] - K[i, 1] * fast[j]
         L[i, i] += 1.0
-    for i in range(n):
-        for j in range(n):
-            total = 0.0
-            for m in range(n):
-                total += L[i, m] * Pm[m, j]
-            LP[i, j] = total
+    multiply(L, Pm, LP)
     joseph = rule in (PROPER, EVERY_STEP) or is_slow
     for i in range(n):
         for j in range(n):
@@ -152,12 +138,28 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
                 Pf[i, j] = total
             else:
                 Pf[i, j] = LP[i, j]
-    for i in range(n):
-        for j in range(i):
-            mean = 0.5 * (Pf[i, j] + Pf[j, i])
-            Pf[i, j] = mean
-            Pf[j, i] = mean
+    make_symmetric(Pf)
     return ss
+
+
+@part
+def multiply(A, B, product):
+    """Write the product A B of matrices (n, n) into `product`, which is neither of them."""
+    n = len(A)
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for m in range(n):
+                total += A[i, m] * B[m, j]
+            product[i, j] = total
+
+
+@part
+def make_symmetric(P):
+    """Replace the elements of a matrix beside its diagonal by the means with their opposites."""
+    for i in range(len(P)):
+        for j in range(i):
+            P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
 
 
 @njit

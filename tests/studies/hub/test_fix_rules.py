@@ -13,12 +13,13 @@ from scipy.stats import chi2
 from tools import Array, assert_same, configure, measured
 
 from owtsweep.errors import InputError
+from owtsweep.estimation.weighing import Weighing, weigh
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
+from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.schemes.hme2 import SCHEME as HME2
 from owtsweep.studies.hub.sensors import Measured, Sensors, sensors
@@ -137,7 +138,7 @@ def test_the_window_minimises_hubers_cost() -> None:
         "effects": effects, "past": None,
     }  # fmt: skip
     found = window.solve(mhe, known, **given)
-    least = window.solve(replace(mhe, fix_rule=FixRule()), known, **given)
+    least = window.solve(replace(mhe, fix_rule=PLAIN), known, **given)
     U = np.kron(whitener(mhe.weights.link_covariance), np.eye(2))
     A = np.kron(mhe.weights.transition, np.eye(2))
 
@@ -159,8 +160,10 @@ def test_the_window_minimises_hubers_cost() -> None:
 def test_the_gate_is_the_chi_square_quantile() -> None:
     rule = make_fix_rule(ruled("gate", "mkf.gate_probability=0.95").mkf)
     assert rule.limit**2 == pytest.approx(chi2.ppf(0.95, 2))
-    assert (rule.weigh(2.4), rule.weigh(2.5)) == (1.0, 0.0)
-    assert FixRule("huber", 2.0).weigh(8.0) == 0.25
+    beyond = np.zeros(1, dtype=np.int64)
+    assert [weigh(far, rule, beyond) for far in (2.4, 2.5, 2.4)] == [1.0, 0.0, 1.0]
+    assert [weigh(9.0, rule, beyond) for _ in range(7)] == [*[0.0] * 5, 1.0, 1.0]
+    assert weigh(8.0, Weighing(2.0, True, 0), beyond) == 0.25
 
 
 @pytest.mark.parametrize("name", SCHEMES)

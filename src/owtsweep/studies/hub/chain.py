@@ -15,8 +15,9 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete, powers, prediction_noise
 from owtsweep.estimation.gains import GainSchedule, schedule, smoother_gains
+from owtsweep.estimation.weighing import Weighing
 from owtsweep.estimation.windowing import FilterRows, covariances
-from owtsweep.studies.hub.fix_rules import PLAIN, FixRule
+from owtsweep.studies.hub.fix_rules import PLAIN
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
@@ -25,7 +26,7 @@ from owtsweep.studies.hub.kernels.layout import (
     LeanTerms,
     PredictorArrays,
 )
-from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
+from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter
 from owtsweep.studies.hub.sensors import Sensors
 
 
@@ -93,7 +94,7 @@ class Chain:
     gains: the filter's gains and covariances. The covariances are NaN if the scheme states none.
     filter, predictor, mhe: the arrays that kernels take for filter and smoother, predictor, and
         MHE.
-    axis: the filter's model and variances for one axis.
+    axis: the filter's model and variances for one axis; None without covariances.
     input_model: the predictor's model; None without a predictor or without covariances.
     """
 
@@ -101,7 +102,7 @@ class Chain:
     filter: FilterArrays
     predictor: PredictorArrays
     mhe: HorizonArrays
-    axis: AxisFilter
+    axis: AxisFilter | None
     input_model: Discrete | None
 
     @cached_property
@@ -144,7 +145,7 @@ class Chain:
         sensors this term is 1e-3 of the rest.
         """
         axis, gains, window = self.axis, self.gains, self.filter.window
-        if self.input_model is None or self.predictor.steps == 0:
+        if axis is None or self.input_model is None or self.predictor.steps == 0:
             return gains.filtered[:, :2, :2].copy()
         noise = prediction_noise(self.input_model, self.predictor.steps)
         pick = SIGMA_2_STATES
@@ -196,7 +197,7 @@ class Parts:
 
     axis: AxisFilter
     rule: str
-    fix_rule: FixRule = PLAIN
+    fix_rule: Weighing = PLAIN
     input_delay: int = 0
     window: int = 0
     predict: Discrete | None = None
@@ -216,15 +217,10 @@ def chain(parts: Parts, sensors: Sensors, steps: int = LONGEST_TRANSIENT) -> Cha
     axis, window, horizon = parts.axis, parts.window, parts.horizon
     M = sensors.fix_interval
     gains = schedule(
-        axis.model,
-        slow=POSITION,
-        fast=axis.force_row,
-        slow_variance=axis.position_variance,
-        fast_variance=axis.force_variance,
-        initial_covariance=axis.initial_covariance,
+        axis.rates(parts.rule),
+        axis.initial_covariance,
         interval=horizon.interval if horizon else M,
         steps=min(steps, LONGEST_TRANSIENT),
-        rule=parts.rule,
         start_interval=M,
         start_steps=horizon.first * M if horizon else 0,
     )
@@ -267,7 +263,7 @@ def lag_of(chain: Chain) -> int:
 
 def has_acceleration(chain: Chain) -> bool:
     """Return whether acceleration is a state that the chain's filter estimates."""
-    return bool(np.any(chain.axis.force_row))
+    return bool(np.any(chain.filter.h))
 
 
 def bias_of(state: Array, sensors: Sensors) -> Array:

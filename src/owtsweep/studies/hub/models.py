@@ -14,6 +14,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
+from owtsweep.estimation.gains import RULES
+from owtsweep.estimation.riccati import TwoRates
 from owtsweep.studies.hub.scheme_sections import FilterTuning, Variance
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -85,6 +87,21 @@ class AxisFilter:
     position_variance: float
     force_variance: float
     initial_covariance: Array
+
+    def rates(self, rule: str) -> TwoRates:
+        """Return the model with fixes as its slow measurement, IMU samples as its fast one.
+
+        `rule`, one of `estimation.gains.RULES`, says how a step without a fix is treated.
+        """
+        return TwoRates(
+            A=np.ascontiguousarray(self.model.A),
+            Q=self.model.Q,
+            slow=POSITION,
+            fast=self.force_row,
+            r_slow=self.position_variance,
+            r_fast=self.force_variance,
+            rule=RULES.index(rule),
+        )
 
 
 def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:

@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.fix_rules import PLAIN, FixJudge, FixRule
+from owtsweep.estimation.late import (
+    copying,
+    follow,
+    measurement_rows,
+    prepare_estimates,
+    process_noise,
+    start_lanes,
+    transition,
+)
+from owtsweep.estimation.weighing import (
+    WeighedEstimates,
+    WeighedState,
+    Weighing,
+    follow_weighing,
+    weigh,
+)
+from owtsweep.studies.hub.fix_rules import PLAIN
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
-
-if TYPE_CHECKING:
-    from owtsweep.estimation.weighing import WeighedState
-
 
 #: Greatest scaled difference of two covariances that count as one: it moves an estimate by a
 #: millionth of its standard deviation.
@@ -63,15 +75,8 @@ class KalmanAxisFilter:
     bias: its first estimate, m/s^2.
     """
 
-    def __init__(self, axis: SpectralAxis, rule: FixRule = PLAIN, bias: float = 0.0) -> None:
+    def __init__(self, axis: SpectralAxis, rule: Weighing = PLAIN, bias: float = 0.0) -> None:
         from filterpy.kalman import KalmanFilter
-
-        from owtsweep.estimation.late import (
-            copying,
-            measurement_rows,
-            process_noise,
-            transition,
-        )
 
         model = axis.model
         n, N = len(model.Q), len(axis.first)
@@ -81,7 +86,7 @@ class KalmanAxisFilter:
         self.kf.x[n] = bias
         self.kf.P = axis.first.copy()
         self.kf.Q = process_noise(model)
-        self.judge = FixJudge(rule)
+        self.rule, self.beyond = rule, np.zeros(1, dtype=np.int64)
         self.predict, self.copy = transition(model), copying(model)
         self.force_row, self.fix_row = (row[None] for row in measurement_rows(model))
         self.step = 0
@@ -99,7 +104,7 @@ class KalmanAxisFilter:
             if not np.isnan(fix):
                 residual = fix - (self.fix_row @ kf.x)[0, 0]
                 variance = (self.fix_row @ kf.P @ self.fix_row.T)[0, 0] + model.r_slow
-                weight = self.judge.weigh(abs(residual) / np.sqrt(variance))
+                weight = weigh(abs(residual) / np.sqrt(variance), self.rule, self.beyond)
                 if weight > 0.0:
                     raised = model.r_slow + (1.0 / weight - 1.0) * variance
                     kf.update(fix, R=raised, H=self.fix_row)
@@ -119,14 +124,10 @@ class CompiledAxisFilter:
     on that does not, they follow from the fixes, until the covariance is that of the model again.
     """
 
-    def __init__(self, axis: SpectralAxis, rule: FixRule = PLAIN, bias: float = 0.0) -> None:
-        from owtsweep.estimation.late import start_lanes
-        from owtsweep.estimation.weighing import Weighing
-
-        self._axis, self._step = axis, 0
+    def __init__(self, axis: SpectralAxis, rule: Weighing = PLAIN, bias: float = 0.0) -> None:
+        self._axis, self._rule, self._step = axis, rule, 0
         self._lanes = start_lanes(len(axis.first), 1)
         self._lanes.x["x"][len(axis.model.Q)] = bias
-        self._weighing = Weighing(rule.limit, rule.name == "huber", rule.patience)
         self._weighed: WeighedState | None = None  # None while all fixes count fully
         self._odd_at = 0  # the last step at which a fix did not
 
@@ -150,7 +151,7 @@ class CompiledAxisFilter:
         result = self._run(force, fixes, due)
         distance = np.abs(result.innovation[due]) / np.sqrt(result.variance[due])
         # a missing fix has the distance NaN
-        odd = due[~(distance <= self._weighing.limit)]
+        odd = due[~(distance <= self._rule.limit)]
         if len(odd):
             stop = int(odd[0])
             self._lanes.x[:] = before
@@ -162,8 +163,6 @@ class CompiledAxisFilter:
         return result
 
     def _run(self, force: Array, fixes: Array, due: NDArray[np.int64]) -> AxisEstimates:
-        from owtsweep.estimation.late import follow, prepare_estimates
-
         steps, model = len(force), self._axis.model
         rows = self._axis.gains.find(min(self._step + steps, LONGEST_TRANSIENT))
         found = prepare_estimates(steps, len(due), 1)
@@ -177,8 +176,6 @@ class CompiledAxisFilter:
 
     def _start_weighing(self) -> None:
         """Go on, at a step at which a fix is due, with gains that follow from the fixes."""
-        from owtsweep.estimation.weighing import WeighedState
-
         x = self._lanes.x["x"][:, 0].copy()
         self._weighed = WeighedState(x, self._find_covariance(), np.zeros(1, dtype=np.int64))
 
@@ -190,15 +187,13 @@ class CompiledAxisFilter:
 
     def _weigh(self, force: Array, fixes: Array) -> AxisEstimates:
         """Run on gains that follow from the fixes, up to where the model's may do again."""
-        from owtsweep.estimation.weighing import WeighedEstimates, follow_weighing
-
         assert self._weighed is not None
         weighed, model, span = self._weighed, self._axis.model, self._axis.gains.span
         steps = min(span - self._step % span, len(force))
         filled = AxisEstimates.make_empty(steps)
         follow_weighing(
             self._step, np.ascontiguousarray(force[:steps]), np.ascontiguousarray(fixes[:steps]),
-            model, self._axis.outputs, self._weighing, weighed, WeighedEstimates(*filled),
+            model, self._axis.outputs, self._rule, weighed, WeighedEstimates(*filled),
         )  # fmt: skip
         due = np.arange(-self._step % model.interval, steps, model.interval)
         odd = due[~(filled.weight[due] == 1.0)]

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -24,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, Past
+from owtsweep.estimation.weighing import Weighing
 from owtsweep.motion.candidates import Fixes, Sea
 from owtsweep.motion.tracking import INTERVAL, OF_SHAPE, Motion, SpectrumTracker
 from owtsweep.studies.hub.fix_noise_tracking import FixNoiseTracker, find_level
-from owtsweep.studies.hub.fix_rules import FixRule
 from owtsweep.studies.hub.lean_tracking import LeanTracker
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors
@@ -87,13 +86,13 @@ class TrackingFilter:
         tuning: Skf,
         sensors: Sensors,
         band: tuple[float, float],
-        rule: FixRule,
-        start: Callable[[SpectralAxis, FixRule, float], AxisFilter],
+        rule: Weighing,
+        start: Callable[[SpectralAxis, Weighing, float], AxisFilter],
     ) -> None:
         self._tuning, self._sensors, self._band = tuning, sensors, band
         self._rule, self._start = rule, start
         # a large motion leaves no doubt of a fix alone: the state may be as wrong
-        self._hasty_rule = replace(rule, patience=min(rule.patience, 1))
+        self._hasty_rule = rule._replace(patience=min(rule.patience, 1))
         lean = tuning.find_lean(sensors.lean)
         self._tracker = SpectrumTracker(sensors.step, sensors.force_sigma, lean, band)
         self._delay = sensors.delay * sensors.step
@@ -278,7 +277,7 @@ class TrackingFilter:
             self._give_up()
 
     def _filter_again(
-        self, model: Sea | None, rule: FixRule
+        self, model: Sea | None, rule: Weighing
     ) -> tuple[SpectralAxis, AxisFilter, Array, AxisEstimates]:
         """Start a filter a minute ago; return its model, itself, that minute, and its estimates.
 

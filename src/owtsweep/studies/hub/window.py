@@ -77,7 +77,7 @@ def solve(
     )
     plain = np.where(have, 1.0 / np.sqrt(weights.fix_variance), 0.0)
     nodes = solve_weighted(fix=plain)
-    if mhe.fix_rule.name != "huber":
+    if not mhe.fix_rule.fades:
         return nodes
     # Huber's cost by weighted least squares, each solved with the weights of the one before: the
     # cost never rises, with constraints neither (Huber 1981, section 7.8)

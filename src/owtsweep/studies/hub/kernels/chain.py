@@ -52,10 +52,7 @@ def estimate(k0, count, fed, chain, memory, whole):
     next chunk.
     """
     f, steps = chain.filter, memory.steps
-    if chain.mhe.active:
-        filter_chunk_with_mhe(k0, count, fed, f, chain.mhe, memory)
-    else:
-        filter_chunk(k0, count, fed, f, steps)
+    filter_chunk(k0, count, fed, f, chain.mhe, memory)
     steps[0] = steps[f.window + count]
     if f.window > 0:
         smooth_chunk(k0, count, f, steps, memory.back)
@@ -116,23 +113,41 @@ def correct(now, positions, at, K, row):
 
 
 @part
-def filter_chunk(k0, count, fed, f, steps):
-    """Filter the `count` steps from step k0 on; the states go to the last rows of `steps`.
+def filter_chunk(k0, count, fed, f, mhe, memory):
+    """Filter the `count` steps from step k0 on; the states go to the last rows of memory.steps.
 
-    Row 0 holds the state before. `fed`, `f` and `steps` are `Fed`, `FilterArrays` and
-    `Memory.steps`.
+    Row 0 holds the state before. With an MHE (HME2, Algorithm 2) the filter takes its positions
+    in place of the fixes. It is run on the way, as its arrival state is the filter's. `fed`, `f`
+    and `mhe` are `Fed`, `FilterArrays` and `HorizonArrays`.
     """
     force, fixes, source = fed.force, fed.fixes, k0 - f.input_delay - fed.base
+    steps, nodes, held = memory.steps, memory.nodes, memory.now[0]
+    positions = memory.position if mhe.active else fixes
     K, applied, M, first = f.K, f.applied, f.fix_interval, f.window + 1
-    rows, cycle = K.shape[0], f.cycle
+    rows, cycle, half = K.shape[0], f.cycle, 0.5 * mhe.step * mhe.step
     row, fix, since = schedule_row(k0, rows, cycle), k0 // M, k0 % M
+    phase = k0 % mhe.interval
     before = steps[0]
     for i in range(count):
         now = steps[first + i]
+        if mhe.active:
+            if since == 0:
+                take_fix(fix, fixes, mhe, nodes, held)
+            if phase == 0 and fix >= mhe.first:
+                make_position(mhe.growth, since, held, positions)
+            elif phase == 0 and since == 0:
+                for j in range(len(now.p)):  # too few fixes for a window: the fix itself
+                    positions[0, j] = fixes[fix, j]
         predict_and_correct(before, now, force, source + i, f, K, row)
         if applied[row]:
-            correct(now, fixes, fix, K, row)
+            correct(now, positions, 0 if mhe.active else fix, K, row)
         before = now
+        if mhe.active:
+            if since == 0 and mhe.arrival:
+                keep_state(now, nodes[fix % len(nodes)])
+            choose_input(held, force[source + i], mhe.inputs, phase == 0, mhe.interval)
+            add_input(held, held.sample, mhe.step, half, mhe.lean)
+            phase = phase + 1 if phase + 1 < mhe.interval else 0
         row = next_row(row, rows, cycle)
         since += 1
         if since == M:
@@ -140,30 +155,19 @@ def filter_chunk(k0, count, fed, f, steps):
 
 
 @part
-def add_position(S, x, G, row):
-    """Add a position's part of a correction: S = S + G s, where s is the innovation in the row x.
+def add_innovation(S, innovation, G, row, column):
+    """Add an innovation's part of a correction: S = S + G i, by the gains of the given row.
 
-    G are the filter's gains K or the smoother's D, of which the gains of the given row are used.
+    innovation: of the position (the field s of a row) or of the specific force (r), of each lane.
+    G: the filter's gains K or the smoother's D, whose column is 0 for positions, 1 for forces.
     """
-    g0, g1, g2, g3 = G[row, 0, 0], G[row, 1, 0], G[row, 2, 0], G[row, 3, 0]
+    g0, g1, g2, g3 = G[row, 0, column], G[row, 1, column], G[row, 2, column], G[row, 3, column]
     for i in range(len(S.p)):
-        s = x.s[i]
-        S.p[i] += g0 * s
-        S.v[i] += g1 * s
-        S.a[i] += g2 * s
-        S.b[i] += g3 * s
-
-
-@part
-def add_force(S, x, G, row):
-    """Add a specific force's part of a correction: S = S + G r, where r stands in the row x."""
-    g0, g1, g2, g3 = G[row, 0, 1], G[row, 1, 1], G[row, 2, 1], G[row, 3, 1]
-    for i in range(len(S.p)):
-        r = x.r[i]
-        S.p[i] += g0 * r
-        S.v[i] += g1 * r
-        S.a[i] += g2 * r
-        S.b[i] += g3 * r
+        e = innovation[i]
+        S.p[i] += g0 * e
+        S.v[i] += g1 * e
+        S.a[i] += g2 * e
+        S.b[i] += g3 * e
 
 
 @part
@@ -179,6 +183,13 @@ def carry_back(S, C, row):
         S.v[i] = c10 * p + c11 * v + c12 * a + c13 * b
         S.a[i] = c20 * p + c21 * v + c22 * a + c23 * b
         S.b[i] = c30 * p + c31 * v + c32 * a + c33 * b
+
+
+@part
+def clear(x):
+    """Set a state to zero."""
+    for i in range(len(x.p)):
+        x.p[i] = x.v[i] = x.a[i] = x.b[i] = 0.0
 
 
 @part
@@ -200,14 +211,13 @@ def smooth_chunk(k0, count, f, steps, back):
     S, window, K, C, D, applied = back[0], f.window, f.K, f.C, f.D, f.applied
     rows, cycle = K.shape[0], f.cycle
     first, last = max(window - k0, 0) + 1, count  # the rows to smooth
-    for i in range(len(S.p)):
-        S.p[i] = S.v[i] = S.a[i] = S.b[i] = 0.0
+    clear(S)
     before = k0 - window - 1  # row number + before = step
     row = schedule_row(count + window + before, rows, cycle)
     for at in range(count + window, max(first, last), -1):
         if applied[row]:
-            add_position(S, steps[at], K, row)
-        add_force(S, steps[at], K, row)
+            add_innovation(S, steps[at].s, K, row, 0)
+        add_innovation(S, steps[at].r, K, row, 1)
         row = row_before(at + before, row, rows, cycle)
         carry_back(S, C, row)
     if first > last:
@@ -216,11 +226,11 @@ def smooth_chunk(k0, count, f, steps, back):
     far = schedule_row(last + window + before, rows, cycle)
     for at in range(last, first, -1):
         if applied[row]:
-            add_position(S, steps[at], K, row)
+            add_innovation(S, steps[at].s, K, row, 0)
         if applied[far]:
-            add_position(S, steps[at + window], D, row)
-        add_force(S, steps[at], K, row)
-        add_force(S, steps[at + window], D, row)
+            add_innovation(S, steps[at + window].s, D, row, 0)
+        add_innovation(S, steps[at].r, K, row, 1)
+        add_innovation(S, steps[at + window].r, D, row, 1)
         far = row_before(at + window + before, far, rows, cycle)
         row = row_before(at + before, row, rows, cycle)
         carry_back(S, C, row)
@@ -239,6 +249,15 @@ def add_input(sums, u, T, half, lean):
         p, v = sums.p[i], sums.v[i]
         sums.p[i] = p + (T * v + half * u[i]) + (pp * p + pv * v + pu * u[i])
         sums.v[i] = v + T * u[i] + (vp * p + vv * v + vu * u[i])
+
+
+@part
+def sum_inputs(sums, force, at, m):
+    """Fill the row `sums` with what the inputs of the m.steps steps before row `at` add."""
+    for i in range(len(sums.p)):
+        sums.p[i] = sums.v[i] = 0.0
+    for k in range(at - m.steps, at):
+        add_input(sums, force[k], m.step, m.half, m.lean)
 
 
 @part
@@ -268,47 +287,6 @@ def predict_chunk(k0, count, fed, m, steps, inputs):
     The moving sums are computed again for every chunk, so that rounding errors do not accumulate.
     """
     force, start, sums = fed.force, k0 - fed.base, inputs[0]
-    for i in range(len(sums.p)):
-        sums.p[i] = sums.v[i] = 0.0
-    for at in range(start - m.steps, start):
-        add_input(sums, force[at], m.step, m.half, m.lean)
+    sum_inputs(sums, force, start, m)
     for i in range(count):
         predict(steps[1 + i], sums, force, start + i, m)
-
-
-@part
-def filter_chunk_with_mhe(k0, count, fed, f, mhe, memory):
-    """Filter as `filter_chunk` does, but with the positions of the MHE (HME2, Algorithm 2).
-
-    The MHE is run on the way, as its arrival state is the filter's.
-    """
-    force, fixes, source = fed.force, fed.fixes, k0 - f.input_delay - fed.base
-    steps, nodes, held = memory.steps, memory.nodes, memory.now[0]
-    position = memory.position
-    K, applied, M, first = f.K, f.applied, f.fix_interval, f.window + 1
-    rows, cycle, half = K.shape[0], f.cycle, 0.5 * mhe.step * mhe.step
-    row, fix, since = schedule_row(k0, rows, cycle), k0 // M, k0 % M
-    phase = k0 % mhe.interval
-    before = steps[0]
-    for i in range(count):
-        now = steps[first + i]
-        if since == 0:
-            take_fix(fix, fixes, mhe, nodes, held)
-        if phase == 0 and fix >= mhe.first:
-            make_position(mhe.growth, since, held, position)
-        elif phase == 0 and since == 0:
-            for j in range(len(now.p)):  # too few fixes for a window: the fix itself
-                position[0, j] = fixes[fix, j]
-        predict_and_correct(before, now, force, source + i, f, K, row)
-        if applied[row]:
-            correct(now, position, 0, K, row)
-        before = now
-        if since == 0 and mhe.arrival:
-            keep_state(now, nodes[fix % len(nodes)])
-        choose_input(held, force[source + i], mhe.inputs, phase == 0, mhe.interval)
-        add_input(held, held.sample, mhe.step, half, mhe.lean)
-        row = next_row(row, rows, cycle)
-        since += 1
-        if since == M:
-            fix, since = fix + 1, 0
-        phase = phase + 1 if phase + 1 < mhe.interval else 0

@@ -11,20 +11,20 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit, part
-from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, riccati_step
-from owtsweep.estimation.weighing import Weighing, weigh
+from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, multiply, riccati_step
+from owtsweep.estimation.weighing import weigh
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.kernels.chain import (
     add_correction,
-    add_force,
-    add_input,
-    add_position,
+    add_innovation,
     carry_back,
+    clear,
     correct,
     predict,
     predict_and_correct,
+    sum_inputs,
 )
-from owtsweep.studies.hub.kernels.online_layout import BEYOND, HUBER, PICK, PLAIN, ROW, STEP
+from owtsweep.studies.hub.kernels.online_layout import BEYOND, PICK, ROW, STEP
 from owtsweep.studies.hub.kernels.window import (
     after_filter,
     distance,
@@ -108,25 +108,25 @@ def filter_step(fresh, f, m):
     """
     row = m.counter[ROW]
     before, now, at = m.steps[row - 1], m.steps[row], row - f.delay
-    taken, r_slow, judged = fresh, f.r_slow, 0.0
-    if fresh and f.fix_rule != PLAIN:
+    rates = f.rates
+    taken, r_slow, judged = fresh, rates.r_slow, 0.0
+    if fresh and f.fix_rule.limit < np.inf:
         # the gains are not known yet, but the predicted position does not depend on them
         predict_and_correct(before, now, m.force, at, f, m.K, row)
         for axis in range(2):
             m.predicted[0, axis] = now.s[axis]
-        judged = predicted_variance(f, m) + f.r_slow
+        judged = predicted_variance(f, m) + r_slow
         far = distance(m.given[0], m.predicted, judged)
-        rule = Weighing(f.fix_limit, f.fix_rule == HUBER, f.fix_patience)
-        weight = weigh(far, rule, m.counter[BEYOND : BEYOND + 1])
+        weight = weigh(far, f.fix_rule, m.counter[BEYOND : BEYOND + 1])
         taken = weight > 0.0
         if taken:
             r_slow += (1.0 / weight - 1.0) * judged  # the innovation's becomes judged / weight
-    model = TwoRates(f.A, f.Q, f.slow, f.h, r_slow, f.r_fast, f.rule)
+    model = TwoRates(f.A, rates.Q, rates.slow, f.h, r_slow, rates.r_fast, rates.rule)
     ss = riccati_step(model, m.P, taken, m.K[row], m.Pm[row], m.Pf[row], m.work)
     if judged > 0.0:
         ss = judged
     put(m.P, 0, 0, m.Pf[row])
-    if not taken and f.rule != MASK_ROWS:
+    if not taken and rates.rule != MASK_ROWS:
         for i in range(4):
             m.K[row, i, 0] = 0.0
     predict_and_correct(before, now, m.force, at, f, m.K, row)
@@ -137,7 +137,7 @@ def filter_step(fresh, f, m):
 @part
 def predicted_variance(f, m):
     """Return the variance of the predicted position along an axis, m^2; change nothing."""
-    total = f.Q[0, 0]
+    total = f.rates.Q[0, 0]
     for i in range(4):
         for j in range(4):
             total += f.A[0, i] * m.P[i, j] * f.A[0, j]
@@ -163,25 +163,15 @@ def output(f, m, state, covariance):
     if k >= window:  # until then the smoother's register is not full
         clear(S)
         for j in range(row, row - window, -1):
-            add_position(S, m.steps[j], m.K, j)
-            add_force(S, m.steps[j], m.K, j)
+            add_innovation(S, m.steps[j].s, m.K, j, 0)
+            add_innovation(S, m.steps[j].r, m.K, j, 1)
             carry_back(S, m.C, j - 1)
         add_correction(x, m.steps[row - window])
         add_correction(x, S)
-    for axis in range(2):
-        sums.p[axis] = sums.v[axis] = 0.0
-    for j in range(row - f.predictor.steps, row):
-        add_input(sums, m.force[j], f.predictor.step, f.predictor.half, f.predictor.lean)
+    sum_inputs(sums, m.force, row, f.predictor)
     predict(x, sums, m.force, row, f.predictor)
     write(x, state)
     output_covariance(f, m, covariance)
-
-
-@part
-def clear(x):
-    """Set a state to zero."""
-    for axis in range(2):
-        x.p[axis] = x.v[axis] = x.a[axis] = x.b[axis] = 0.0
 
 
 @part
@@ -201,12 +191,7 @@ def smoother_gain(A, filtered, predicted, work, C):
     n = len(A)
     M, X = work[0], work[1]
     put(M, 0, 0, predicted)
-    for i in range(n):
-        for j in range(n):
-            total = 0.0
-            for m in range(n):
-                total += A[i, m] * filtered[m, j]
-            X[i, j] = total
+    multiply(A, filtered, X)
     for c in range(n):
         for i in range(c + 1, n):
             factor = M[i, c] / M[c, c]

@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, Rows
+from owtsweep.estimation.riccati import TwoRates
+from owtsweep.estimation.weighing import Weighing
 from owtsweep.studies.hub.kernels.layout import LeanTerms, PredictorArrays
 
 #: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
 #: in the MHE's window, whether the window's data determine its states, fixes in a row beyond the
 #: limit of their rule. COUNTERS is their number.
 STEP, ROW, LINKS, DETERMINED, BEYOND, COUNTERS = 0, 1, 2, 3, 4, 5
-#: What happens to a fix far from its prediction: nothing, it is refused, or it counts less. The
-#: indices are those of `hub.fix_rules.FIX_RULES`.
-PLAIN, GATE, HUBER = 0, 1, 2
 #: The MHE's window is solved again for new weights of its fixes until no weight changes by more
 #: than `LEAST_CHANGE`, but at most `MOST_WEIGHINGS` times.
 MOST_WEIGHINGS, LEAST_CHANGE = 500, 1e-10
@@ -42,11 +41,9 @@ class OnlineEstimates(NamedTuple):
 class FilterSettings(NamedTuple):
     """The settings of filter, smoother and predictor, for one axis; times are in IMU steps.
 
-    A, B, Q: the filter's transition matrix (4, 4), input column (4,) and process noise covariance
-        (4, 4).
-    slow, h, r_slow, r_fast: measurement rows (4,) of position and specific force, and the variances
-        of their noises.
-    rule: index in `estimation.gains.RULES`: how a step without a position fix is treated.
+    A, B, h: the filter's transition matrix (4, 4), input column (4,), and measurement row (4,) of
+        specific force.
+    rates: the filter's model; a position is its slow measurement, a specific force its fast one.
     P0: covariance (4, 4) of the first state.
     fix_interval, delay, window: time between fixes, delay of the specific force, the smoother's
         lag.
@@ -54,19 +51,13 @@ class FilterSettings(NamedTuple):
         response to the noise of each input (inputs, 3), and the covariance that noise during the
         prediction adds (3, 3).
     rotation, gravity: rotation (2, 2) from the IMU's frame to NED, and gravity (2,) in NED, m/s^2.
-    fix_rule, fix_limit: what happens to a position whose innovation is longer than `fix_limit`
-        standard deviations: PLAIN, GATE or HUBER.
-    fix_patience: number of positions that a gate refuses in a row.
+    fix_rule: how the weight of a position follows from its innovation, in standard deviations.
     """
 
     A: Array
     B: Array
-    Q: Array
-    slow: Array
     h: Array
-    r_slow: float
-    r_fast: float
-    rule: int
+    rates: TwoRates
     P0: Array
     fix_interval: int
     delay: int
@@ -78,9 +69,7 @@ class FilterSettings(NamedTuple):
     added: Array
     rotation: Array
     gravity: Array
-    fix_rule: int
-    fix_limit: float
-    fix_patience: int
+    fix_rule: Weighing
 
 
 class HorizonSettings(NamedTuple):
@@ -98,8 +87,8 @@ class HorizonSettings(NamedTuple):
     constrained, bounds: whether there are constraints, and the bounds (3,) of |p|, |v| and |b^b|,
         the bias in the IMU's frame; infinity for none.
     growth, lean: as in `HorizonArrays`.
-    fix_rule, fix_limit: PLAIN, or HUBER: a fix counts less if its distance from the window's state
-        is longer than `fix_limit` standard deviations of a fix.
+    fix_rule: how the weight of a fix follows from its distance from the window's state, in standard
+        deviations of a fix; no gate.
     """
 
     active: bool
@@ -116,8 +105,7 @@ class HorizonSettings(NamedTuple):
     bounds: Array
     growth: Array
     lean: LeanTerms
-    fix_rule: int
-    fix_limit: float
+    fix_rule: Weighing
 
 
 class OnlineRegisters(NamedTuple):

@@ -15,7 +15,6 @@ from owtsweep.studies.hub.kernels.chain import add_input
 from owtsweep.studies.hub.kernels.horizon import choose_input
 from owtsweep.studies.hub.kernels.online_layout import (
     DETERMINED,
-    HUBER,
     LEAST_CHANGE,
     LINKS,
     MOST_WEIGHINGS,
@@ -77,7 +76,7 @@ def take_fix(fresh, fix, f, h, m):
     for i in range(n + 1):
         m.weight[i] = 1.0
     solve_window(n, h, m, x0, prior, kind, first)
-    if h.fix_rule == HUBER:
+    if h.fix_rule.fades:
         for _ in range(MOST_WEIGHINGS):
             older_nodes(n, m.blocks, m.nodes)
             if not weigh_again(n, h, m):
@@ -159,7 +158,7 @@ def weigh_again(n, h, m):
     for i in range(n + 1):
         if m.have[i]:
             far = distance(m.z[i], m.nodes[i], variance)
-            weight = 1.0 if far <= h.fix_limit else h.fix_limit / far
+            weight = 1.0 if far <= h.fix_rule.limit else h.fix_rule.limit / far
             changed = max(changed, abs(weight - m.weight[i] * m.weight[i]))
             m.weight[i] = np.sqrt(weight)
     return changed >= LEAST_CHANGE

@@ -146,6 +146,20 @@ def check_sample(specific_force: Array, position: Array | None) -> None:
             raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
 
 
+def check_grid(scheme: str, steps: NDArray[np.intp], interval: int, begin: int = 0) -> None:
+    """Raise ValueError if a fix comes at a step at which a scheme takes none: off its grid.
+
+    interval, begin: IMU steps between two points of the grid, and its first point.
+    """
+    off = steps[(steps - begin) % interval != 0]
+    if len(off):
+        after = f" after the first one, at step {begin}" if begin else ""
+        raise ValueError(
+            f"position: a fix came at step {off[0]}, but {scheme} takes fixes only at multiples of "
+            f"{interval} IMU steps{after}; give the fix at the next multiple, or leave the fix out"
+        )
+
+
 def check_samples(force: Array, positions: Array, first: int) -> NDArray[np.intp]:
     """Return which of some samples have a fix; `first` is the step of the first sample.
 

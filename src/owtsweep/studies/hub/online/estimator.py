@@ -11,18 +11,16 @@ from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array, make_rows
 from owtsweep.estimation.discretisation import prediction_noise
-from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.evaluation.trajectory import spread_to_both_axes
 from owtsweep.studies.hub.chain import Parts, predictor_arrays
 from owtsweep.studies.hub.contract import ZERO
-from owtsweep.studies.hub.fix_rules import FIX_RULES
+from owtsweep.studies.hub.fix_rules import PLAIN
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, STATE
 from owtsweep.studies.hub.kernels.online_layout import (
     COUNTERS,
     LINKS,
-    PLAIN,
     ROW,
     STEP,
     FilterSettings,
@@ -30,10 +28,10 @@ from owtsweep.studies.hub.kernels.online_layout import (
     OnlineEstimates,
     OnlineRegisters,
 )
-from owtsweep.studies.hub.models import POSITION
 from owtsweep.studies.hub.online.coordinates import (
     FARTHEST,
     LocatedEstimator,
+    check_grid,
     check_origin,
     check_samples,
     make_estimates,
@@ -44,7 +42,8 @@ from owtsweep.studies.hub.sensors import Sensors
 
 def filter_settings(parts: Parts, sensors: Sensors) -> FilterSettings:
     """Make the settings of filter, smoother and predictor for the online kernels."""
-    axis, fix_rule = parts.axis, parts.fix_rule
+    axis = parts.axis
+    rates = axis.rates(parts.rule)
     ahead: Array = np.eye(3)
     response: Array = np.zeros((1, 3))
     added: Array = np.zeros((3, 3))
@@ -53,14 +52,10 @@ def filter_settings(parts: Parts, sensors: Sensors) -> FilterSettings:
         ahead, response = noise.transition, noise.response
         added = noise.process + axis.force_variance * response.T @ response
     return FilterSettings(
-        A=np.ascontiguousarray(axis.model.A),
+        A=rates.A,
         B=axis.model.B[:, 0].copy(),
-        Q=axis.model.Q,
-        slow=POSITION,
         h=axis.force_row,
-        r_slow=axis.position_variance,
-        r_fast=axis.force_variance,
-        rule=RULES.index(parts.rule),
+        rates=rates,
         P0=axis.initial_covariance,
         fix_interval=sensors.fix_interval,
         delay=parts.input_delay,
@@ -72,9 +67,7 @@ def filter_settings(parts: Parts, sensors: Sensors) -> FilterSettings:
         added=np.ascontiguousarray(added),
         rotation=sensors.rotation,
         gravity=np.array(sensors.gravity),
-        fix_rule=FIX_RULES.index(fix_rule.name),
-        fix_limit=fix_rule.limit,
-        fix_patience=fix_rule.patience,
+        fix_rule=parts.fix_rule,
     )
 
 
@@ -86,7 +79,7 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
         none = np.zeros((1, 2, 3))
         return HorizonSettings(
             False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free, none, NO_LEAN,
-            PLAIN, np.inf,
+            PLAIN,
         )  # fmt: skip
     return HorizonSettings(
         active=True,
@@ -103,8 +96,7 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
         bounds=mhe.bounds,
         growth=growth_over(mhe.lean, sensors, sensors.fix_interval),
         lean=lean_terms(mhe.lean, sensors.step),
-        fix_rule=FIX_RULES.index(mhe.fix_rule.name),
-        fix_limit=mhe.fix_rule.limit,
+        fix_rule=mhe.fix_rule,
     )
 
 
@@ -152,10 +144,6 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
     )
 
 
-OFF_GRID = (
-    "position: a fix came at step {step}, but HME2 takes fixes only at multiples of {interval} "
-    "IMU steps{after}; give the fix at the next multiple, or leave the fix out"
-)
 TOO_FAR = (
     "position: the first fix lies {distance:.6g} m from the origin ({x:g}, {y:g}), but the schemes "
     "start within some metres of it; state an origin near the hub, or none: then it is the first "
@@ -253,11 +241,7 @@ class OnlineEstimator(LocatedEstimator):
         unknown = int(at[0]) if self._origin is None else 0
         if self._horizon.active:
             begin = self._skipped + unknown
-            off = first + at[(first + at - begin) % self._sensors.fix_interval != 0]
-            if len(off):
-                after = f" after the first one, at step {begin}" if begin else ""
-                interval = self._sensors.fix_interval
-                raise ValueError(OFF_GRID.format(step=off[0], interval=interval, after=after))
+            check_grid("HME2", first + at, self._sensors.fix_interval, begin)
         if not self._located:
             self._locate(positions[at[0]])
         return unknown

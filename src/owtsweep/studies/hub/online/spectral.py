@@ -8,7 +8,12 @@ from numpy.typing import ArrayLike
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.studies.hub.contract import ZERO
-from owtsweep.studies.hub.online.coordinates import LocatedEstimator, check_origin, check_samples
+from owtsweep.studies.hub.online.coordinates import (
+    LocatedEstimator,
+    check_grid,
+    check_origin,
+    check_samples,
+)
 from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_filter import AxisFilter
 
@@ -43,7 +48,8 @@ class SpectralEstimator(LocatedEstimator):
     def _run(self, specific_force: Array, positions: Array) -> tuple[Array, Array, Array, Array]:
         force = np.asarray(specific_force, dtype=float)
         fixes = np.asarray(positions, dtype=float)
-        self._check(force, fixes)
+        at = self._step + check_samples(force, fixes, self._step)
+        check_grid("SKF", at, self._sensors.fix_interval)
         force, fixes = force @ self._sensors.rotation.T, fixes - self._rest
         steps = len(force)
         state, innovation = np.empty((steps, 4)), np.empty((steps, 2))
@@ -55,13 +61,3 @@ class SpectralEstimator(LocatedEstimator):
         self._step += steps
         state[:, :2] += self._rest
         return state, covariance, innovation, of_innovation
-
-    def _check(self, force: Array, fixes: Array) -> None:
-        at = self._step + check_samples(force, fixes, self._step)
-        interval = self._sensors.fix_interval
-        off = at[at % interval != 0]
-        if len(off):
-            raise ValueError(
-                f"position: a fix came at step {off[0]}, but SKF takes fixes only at multiples of "
-                f"{interval} IMU steps; give the fix at the next multiple, or leave the fix out"
-            )

@@ -12,13 +12,11 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import NO_HORIZON, Chain
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.kernels.layout import FilterArrays, PredictorArrays
-from owtsweep.studies.hub.models import AxisFilter
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -104,13 +102,7 @@ class Baseline(ChainScheme):
                 steps=ahead, step=0.0, half=0.0, pv=ahead * step, pb=0.0, vb=0.0, old_p=0.0
             ),
             mhe=NO_HORIZON,
-            axis=AxisFilter(
-                model=Discrete(A=A, B=np.zeros((4, 1)), Q=np.full((4, 4), np.nan), step=step),
-                force_row=np.zeros(4),
-                position_variance=np.nan,
-                force_variance=np.nan,
-                initial_covariance=np.full((4, 4), np.nan),
-            ),
+            axis=None,
             input_model=None,
         )  # fmt: skip
 

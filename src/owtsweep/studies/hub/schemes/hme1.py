@@ -41,7 +41,7 @@ class HME1Estimator:
         assert parts.predict is not None
         self.parts, self.sensors, self.input_model = parts, sensors, parts.predict
         self.gains = scheme.kernel(known)
-        self.on_schedule = parts.fix_rule.name == "plain"
+        self.on_schedule = parts.fix_rule == PLAIN
         self.filter = MultirateKalmanFilter(parts, sensors.rotation)
         self.smoother = FixedLagSmoother(self.filter.kf.F, parts.window)
         self.count = 0

@@ -20,7 +20,7 @@ from owtsweep.studies.hub.contract import Known, Scheme, run_stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2
-from owtsweep.studies.hub.online.estimator import OFF_GRID
+from owtsweep.studies.hub.online.coordinates import check_grid
 from owtsweep.studies.hub.schemes.hme1 import HME1, HME1Estimator
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.sensors import Sensors
@@ -57,8 +57,8 @@ class HME2Estimator(HME1Estimator):
         """
         interval = self.sensors.fix_interval
         since_fix = self.count % interval
-        if position is not None and since_fix:
-            raise ValueError(OFF_GRID.format(step=self.count, interval=interval, after=""))
+        if position is not None:
+            check_grid("HME2", np.array([self.count]), interval)
         delayed = self.push(specific_force)
         if since_fix == 0:
             if position is None:

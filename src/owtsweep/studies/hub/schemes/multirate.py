@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.weighing import weigh
 from owtsweep.evaluation.estimate import Innovation
 from owtsweep.studies.hub.chain import Parts
-from owtsweep.studies.hub.fix_rules import FixJudge
 from owtsweep.studies.hub.models import POSITION
 
 _I = np.eye(2)
@@ -46,7 +46,9 @@ class MultirateKalmanFilter:
         from filterpy.kalman import KalmanFilter
 
         self.axis, self.rule, self.rotation = parts.axis, parts.rule, rotation
-        self.judge, axis = FixJudge(parts.fix_rule), parts.axis
+        self.fix_rule, axis = parts.fix_rule, parts.axis
+        #: Number of fixes in a row beyond the limit of their rule.
+        self.beyond = np.zeros(1, dtype=np.int64)
         self.takes_input = not np.any(axis.force_row)
         self.kf = KalmanFilter(dim_x=8, dim_z=4, dim_u=2)
         self.kf.F = np.kron(axis.model.A, _I)
@@ -74,7 +76,7 @@ class MultirateKalmanFilter:
             S = self.position_rows @ P_predicted @ self.position_rows.T
             S = S + self.axis.position_variance * _I
             innovation = Innovation(fix - x_predicted[:2, 0], S)
-            weight = self.judge.weigh(measure_distance(innovation))
+            weight = weigh(measure_distance(innovation), self.fix_rule, self.beyond)
             if weight > 0.0:
                 self.held_fix = np.array(fix, dtype=float)
                 variance += (1.0 / weight - 1.0) * S[0, 0]  # the innovation's becomes S / weight
