@@ -26,18 +26,19 @@ import owtsweep
 from experiments.command import read_words, write
 from owtsweep.arrays import Array
 from owtsweep.figures import style
+from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import (
     BOUNDED,
     WINDOW,
     compute_bounds,
-    find_bounds,
     find_shape,
 )
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_origin
 from owtsweep.studies.hub.figures import efficiency
-from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
+from owtsweep.studies.hub.known_motion import REACH, KnownMotion, find_known_motion
 from owtsweep.studies.hub.sensors import Sensors
 
 CELL = ["natural_period", "amplitude", "measure"]
@@ -46,6 +47,8 @@ COLUMNS = ["tuning", "scheme", *CELL, "mse", "bound_a", "bound_b"]
 RATE, SECONDS = 10.0, 60.0
 #: Standard deviation of the bias at the start of the window: unknown, m/s^2.
 BIAS_AT_START = 1.0
+#: The frequencies of a spectrum that rolls off reach to this multiple of the band's upper edge.
+REACH_OF_ROLL_OFF = 60.0
 
 
 def make_table(run, bounds):
@@ -70,16 +73,34 @@ def check_bounds(config, bounds):
     rows = []
     for period, amplitude in bounds[CELL[:2]].drop_duplicates().itertuples(index=False):
         known = find_known_motion(config, period, amplitude)
-        shape = find_shape(config, period)
+        shape = find_shape(config, known)
         window = sum(np.array(bound_on_window(known, v, slow, SECONDS)) for v in known.variance)
         recursion = sum(np.array(bound_of_known_spectrum(shape, v, slow)) for v in known.variance)
-        roll_off = find_bounds(config, period, amplitude, roll_off=True)
-        direction = find_bounds(config, period, amplitude, direction_known=True)
+        soft = roll_off(config, period, known)
+        tail = find_shape(config, soft)
+        softly = sum(np.array(bound_of_known_spectrum(tail, v, sensors)) for v in soft.variance)
+        direction = bound_of_known_spectrum(shape, known.variance.sum(), sensors)
         for number, measure in enumerate(BOUNDED):
-            further = window[number], recursion[number], roll_off[measure], direction[measure]
+            further = window[number], recursion[number], softly[number], direction[number]
             rows.append((period, amplitude, measure, *further))
     names = [*CELL, "window", "recursion", "roll_off", "direction_known"]
     return bounds.merge(pd.DataFrame(rows, columns=names), on=CELL, validate="one_to_one")
+
+
+def roll_off(config: HubConfig, natural_period: float, known: KnownMotion) -> KnownMotion:
+    """Return a motion whose spectrum is not zero outside the band.
+
+    There it falls with f^4 towards 0 and with f^-4 upwards. Far above the band it falls with f^-8:
+    with f^-4 for ever, the acceleration would have no finite variance.
+    """
+    shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
+    first, last = config.band
+    count = np.ceil(REACH_OF_ROLL_OFF * last / known.spacing)
+    frequency = known.spacing * (np.arange(count) + 0.5)
+    inside = np.clip(frequency, first, last)
+    factor = np.minimum(frequency / inside, inside / frequency) ** 4
+    density = shape.density(inside) * factor / (1.0 + (frequency / (REACH * last)) ** 4)
+    return replace(known, frequency=frequency, density=density / (density.sum() * known.spacing))
 
 
 def bound_on_window(

@@ -11,13 +11,14 @@ import pytest
 from tools import SMALL
 
 import owtsweep
-from experiments.better import bound_on_window
+from experiments.better import bound_on_window, roll_off
 from owtsweep import InputError
 from owtsweep.config import with_values
 from owtsweep.motion.shaping import fit_shaping_filter
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import (
+    BOUNDED,
     add_efficiency,
     compute_bounds,
     find_bounds,
@@ -65,7 +66,7 @@ def test_the_spectrum_of_the_study_is_fitted_to_a_per_cent(
     config: HubConfig, slow: Sensors
 ) -> None:
     known = find_known_motion(config, 4.0, 1.0)
-    shape = find_shape(config, 4.0)
+    shape = find_shape(config, known)
     for amplitude in (0.2, 10.0):
         variance = amplitude**2 * known.variance[0]
         recursion = bound_of_known_spectrum(shape, variance, slow)
@@ -85,20 +86,29 @@ def test_the_bound_lies_below_what_knowing_less_gives(config: HubConfig) -> None
     for amplitude in (0.01, 1.0, 20.0):
         known = find_known_motion(config, 4.0, amplitude)
         bound = find_bounds(config, 4.0, amplitude)
-        direction = find_bounds(config, 4.0, amplitude, direction_known=True)
+        direction = find_with_direction(config, known)
         assert 0.0 < direction["position"] < bound["position"] < nothing["position"]
         assert 0.0 < direction["velocity"] < bound["velocity"] < nothing["velocity"]
         assert bound["position"] < known.variance.sum()
     assert bound["position"] == pytest.approx(nothing["position"], rel=0.02)
     assert direction["position"] == pytest.approx(0.5 * nothing["position"], rel=0.02)
     northwards = with_values(config, {"wave_direction": 0.0})
-    assert find_bounds(northwards, 4.0, 1.0) == find_bounds(
-        northwards, 4.0, 1.0, direction_known=True
-    )
+    known = find_known_motion(northwards, 4.0, 1.0)
+    assert find_bounds(northwards, 4.0, 1.0) == find_with_direction(northwards, known)
+
+
+def find_with_direction(config: HubConfig, known: KnownMotion) -> dict[str, float]:
+    """The bounds if the direction of the motion is known too: there is no error across."""
+    told = find_shape(config, known), known.variance.sum(), sensing.sensors(config.sensors)
+    return dict(zip(BOUNDED, bound_of_known_spectrum(*told), strict=True))
 
 
 def test_a_spectrum_that_rolls_off_is_harder_to_follow(config: HubConfig) -> None:
-    edges, tail = (find_bounds(config, 4.0, 0.2, roll_off=r)["position"] for r in (False, True))
+    known, sensors = find_known_motion(config, 4.0, 0.2), sensing.sensors(config.sensors)
+    edges, tail = (
+        sum(bound_of_known_spectrum(find_shape(config, each), v, sensors)[0] for v in each.variance)
+        for each in (known, roll_off(config, 4.0, known))
+    )
     assert 1.2 < tail / edges < 2.0
 
 

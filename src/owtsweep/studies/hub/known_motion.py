@@ -15,9 +15,8 @@ from owtsweep.studies.hub.sensors import Sensors
 
 #: Greatest distance of two frequencies, Hz, and the greatest as a share of the half-bandwidth.
 SPACING, SHARE_OF_PEAK = 2e-3, 0.125
-#: Frequencies reach from 0 to this multiple of the band's upper edge. A spectrum that rolls off
-#: falls faster from there on, with f^-8, and its frequencies reach further.
-REACH, REACH_OF_ROLL_OFF = 4.0, 60.0
+#: Frequencies reach from 0 to this multiple of the band's upper edge.
+REACH = 4.0
 
 
 @dataclass(frozen=True)
@@ -41,9 +40,7 @@ class KnownMotion:
         return float(self.frequency[1] - self.frequency[0])
 
 
-def find_known_motion(
-    config: HubConfig, natural_period: float, amplitude: float, *, roll_off: bool = False
-) -> KnownMotion:
+def find_known_motion(config: HubConfig, natural_period: float, amplitude: float) -> KnownMotion:
     """Find the spectrum and the variances of the study's motion, without a record of a sweep.
 
     With normalise=rms the motion's standard deviation is the amplitude. With normalise=peak the
@@ -52,9 +49,10 @@ def find_known_motion(
     the waves shares the variance out to x and y.
 
     natural_period, amplitude: of the motion, s and m.
-    roll_off: as of `find_spectrum`, whose errors are raised.
+    Raises InputError if the motion is that of a plant, or the printed spectrum lacks the natural
+    period.
     """
-    frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
+    frequency, density = _find_spectrum(config, natural_period)
     share = 1.0
     if config.normalise == "peak":
         share = float(peak_factors(config, [natural_period])[0])
@@ -64,33 +62,19 @@ def find_known_motion(
     return KnownMotion(frequency, density, variance)
 
 
-def find_spectrum(
-    config: HubConfig, natural_period: float, *, roll_off: bool = False
-) -> tuple[Array, Array]:
+def _find_spectrum(config: HubConfig, natural_period: float) -> tuple[Array, Array]:
     """Return the frequencies (Hz) and the density (Hz^-1) of `KnownMotion`, shape (m,) each.
 
-    natural_period: s.
-    roll_off: false: the spectrum is zero outside the configuration's band, as in records. True:
-        outside the band the spectrum falls with f^4 towards 0 and with f^-4 upwards. Far above the
-        band it falls with f^-8: with f^-4 for ever, the acceleration would have no finite variance.
-    Raises InputError if the motion is that of a plant, or the printed spectrum lacks the natural
-    period.
+    The spectrum is zero outside the configuration's band, as in records.
     """
     require_spectrum(config, "what is known of the motion")
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     first, last = config.band
     half_bandwidth = np.sqrt(shape.peak_frequency * shape.peak_margin)
     spacing = min(SPACING, SHARE_OF_PEAK * half_bandwidth, (last - first) / 32.0)
-    reach = (REACH_OF_ROLL_OFF if roll_off else REACH) * last
-    edges = spacing * np.arange(np.ceil(reach / spacing) + 1)
+    edges = spacing * np.arange(np.ceil(REACH * last / spacing) + 1)
     frequency = 0.5 * (edges[1:] + edges[:-1])
-    if roll_off:
-        inside = np.clip(frequency, first, last)
-        factor = np.minimum(frequency / inside, inside / frequency) ** 4
-        density = shape.density(inside) * factor / (1.0 + (frequency / (REACH * last)) ** 4)
-    else:
-        covered = np.clip(edges, first, last)
-        density = shape.density(frequency) * np.diff(covered) / spacing
+    density = shape.density(frequency) * np.diff(np.clip(edges, first, last)) / spacing
     return frequency, density / (np.sum(density) * spacing)
 
 

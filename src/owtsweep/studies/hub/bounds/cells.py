@@ -24,7 +24,7 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known_motion import find_known_motion, find_noise_density, find_spectrum
+from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion, find_noise_density
 from owtsweep.studies.hub.spectral_model import fit_or_recall
 
 #: States of the filter. With these the bounds of the default study are within 1 % of those on a
@@ -38,11 +38,9 @@ VARIANCE = 5.0
 DENSE_UP_TO, APART = 1.25, 0.01
 
 
-def find_shape(
-    config: HubConfig, natural_period: float, *, roll_off: bool = False
-) -> ShapingFilter:
-    """Fit the shaping filter of a natural period (s), or recall it; see `find_spectrum`."""
-    frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
+def find_shape(config: HubConfig, known: KnownMotion) -> ShapingFilter:
+    """Fit the shaping filter of a motion whose spectrum is known, or recall it."""
+    frequency, density = known.frequency, known.density
     place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
     kept = (place < 0.0) | (np.diff(place, prepend=-1.0) > 0.0)
     noise = find_noise_density(sensing.sensors(config.sensors), frequency[kept])
@@ -57,28 +55,17 @@ CELL = ["natural_period", "amplitude", "measure"]
 WINDOW = "settled"
 
 
-def find_bounds(
-    config: HubConfig,
-    natural_period: float,
-    amplitude: float,
-    *,
-    roll_off: bool = False,
-    direction_known: bool = False,
-) -> dict[str, float]:
+def find_bounds(config: HubConfig, natural_period: float, amplitude: float) -> dict[str, float]:
     """Compute bound (b) of one cell: measure -> mean square error, x + y, in m^2 and (m/s)^2.
 
     natural_period, amplitude: of the motion, s and m.
-    roll_off: as of `find_spectrum`.
-    direction_known: whether the estimator knows the direction of the motion too; then there is no
-        error across.
-    Raises InputError as `find_spectrum`, or if the IMU is AC-coupled.
+    Raises InputError as `find_known_motion`, or if the IMU is AC-coupled.
     """
     check_high_pass(config)
     sensors = sensing.sensors(config.sensors)
-    shape = find_shape(config, natural_period, roll_off=roll_off)
-    known = find_known_motion(config, natural_period, amplitude, roll_off=roll_off)
-    variances = [known.variance.sum()] if direction_known else known.variance
-    axes = [bound_of_known_spectrum(shape, variance, sensors) for variance in variances if variance]
+    known = find_known_motion(config, natural_period, amplitude)
+    shape = find_shape(config, known)
+    axes = [bound_of_known_spectrum(shape, along, sensors) for along in known.variance if along]
     return dict(zip(BOUNDED, map(sum, zip(*axes, strict=True)), strict=True))
 
 
