@@ -56,7 +56,7 @@ def discretise(model: Model, step: float, method: str = "exact", *, hold: str = 
     if hold == "first":
         return _hold_linearly(model, discretise(model, step, method), method)
     A, B, Q = model.A, model.B, model.Q
-    n, m = B.shape
+    n = len(A)
     if method == "first_order":
         printed = Q * step + Q @ A * step**2 + A @ Q @ A.T * step**3 / 3.0
         return Discrete(
@@ -65,13 +65,24 @@ def discretise(model: Model, step: float, method: str = "exact", *, hold: str = 
             Q=0.5 * (printed + printed.T),
             step=step,
         )
-    augmented = np.zeros((n + m, n + m))
-    augmented[:n, :n], augmented[:n, n:] = A, B
-    transition = expm(augmented * step)
     van_loan = expm(np.block([[-A, Q], [np.zeros((n, n)), A.T]]) * step)
     Ad = van_loan[n:, n:].T
     Qd = Ad @ van_loan[:n, n:]
-    return Discrete(A=Ad, B=transition[:n, n:], Q=0.5 * (Qd + Qd.T), step=step)
+    return Discrete(A=Ad, B=hold_input(A, B, step)[1], Q=0.5 * (Qd + Qd.T), step=step)
+
+
+def hold_input(A: Array, B: Array, step: float) -> tuple[Array, Array]:
+    """Return the matrices over a step, in s, of x' = A x + B u whose input is held (Van Loan 1978).
+
+    The exponential of the block matrix [[A, B], [0, 0]] serves any A. Shapes are those of A and B.
+    """
+    from scipy.linalg import expm
+
+    n, m = B.shape
+    block = np.zeros((n + m, n + m))
+    block[:n, :n], block[:n, n:] = A, B
+    held = expm(block * step)
+    return held[:n, :n], held[:n, n:]
 
 
 def _hold_linearly(model: Model, held: Discrete, method: str) -> Discrete:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import hold_input
 from owtsweep.estimation.square_root import Correction, deviation, kalman
 
 #: Gains have settled once typical corrections change, from one step to the next, by less than this
@@ -50,18 +51,12 @@ class InputStateModel:
 def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputStateModel:
     """Turn x' = A x + B p, y = G x + J p into a discrete model with inputs held over each step.
 
-    The exponential of the block matrix [[A, B], [0, 0]] serves any A (Van Loan 1978). Eq. (16) of
-    Simpson et al. (2025) needs the inverse of A, and a structure that is free to move has none.
+    Eq. (16) of Simpson et al. (2025) needs the inverse of A, and a structure that is free to move
+    has none: see `hold_input`.
     (`discretise` is not used: its covariance takes the exponential of -A, which overflows for
     stiffly damped modes.) Shapes are those of `InputStateModel`; `step` is in s.
     """
-    from scipy.linalg import expm
-
-    n, inputs = B.shape
-    block = np.zeros((n + inputs, n + inputs))
-    block[:n, :n], block[:n, n:] = A, B
-    held = expm(block * step)
-    return InputStateModel(held[:n, :n], held[:n, n:], np.asarray(G), np.asarray(J), step)
+    return InputStateModel(*hold_input(A, B, step), np.asarray(G), np.asarray(J), step)
 
 
 class Step(NamedTuple):

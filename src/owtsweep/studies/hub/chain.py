@@ -18,12 +18,11 @@ from owtsweep.estimation.gains import GainSchedule, schedule, smoother_gains
 from owtsweep.estimation.weighing import Weighing
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.fix_rules import PLAIN
-from owtsweep.studies.hub.horizon import Horizon
+from owtsweep.studies.hub.horizon import Horizon, find_lean_terms
 from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
     FilterArrays,
     HorizonArrays,
-    LeanTerms,
     PredictorArrays,
 )
 from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter
@@ -62,21 +61,13 @@ def predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predict
     if model.A[1, 0] == 0.0:
         return arrays
     left = A @ model.B[:, 0]
-    one = model.A
     return arrays._replace(
         old_p=left[0],
         old_v=left[1] - step,
         pp=A[0, 0] - 1.0,
         vp=A[1, 0],
         vv=A[1, 1] - 1.0,
-        lean=LeanTerms(
-            pp=one[0, 0] - 1.0,
-            pv=one[0, 1] - step,
-            pu=0.0,  # `half` has it
-            vp=one[1, 0],
-            vv=one[1, 1] - 1.0,
-            vu=float(model.B[1, 0]) - step,
-        ),
+        lean=find_lean_terms(model, half),
     )
 
 

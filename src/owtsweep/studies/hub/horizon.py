@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.discretisation import discretise
+from owtsweep.estimation.discretisation import Discrete, discretise
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.estimation.mhe import WindowWeights, window_maps
 from owtsweep.estimation.weighing import Weighing
@@ -164,13 +164,20 @@ def lean_terms(lean: float, step: float) -> LeanTerms:
     """Return what a lean, in s^-2, changes in one step (s) of integrating an input twice."""
     if lean == 0.0:
         return NO_LEAN
-    model = discretise(sigma_2(0.0, 0.0, lean), step)
-    A, B = model.A, model.B[:, 0]
+    return find_lean_terms(discretise(sigma_2(0.0, 0.0, lean), step), 0.5 * step * step)
+
+
+def find_lean_terms(model: Discrete, half: float) -> LeanTerms:
+    """Return the terms by which Sigma_2 over one step differs from integrating an input twice.
+
+    `half` is what a unit of input adds to the position besides, s^2.
+    """
+    A, B, step = model.A, model.B[:, 0], model.step
     return LeanTerms(
         pp=A[0, 0] - 1.0,
         pv=A[0, 1] - step,
-        pu=B[0] - 0.5 * step * step,
+        pu=B[0] - half,
         vp=A[1, 0],
         vv=A[1, 1] - 1.0,
-        vu=B[1] - step,
+        vu=float(B[1]) - step,
     )
