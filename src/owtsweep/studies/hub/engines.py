@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -281,12 +281,10 @@ def _tell_bound(config: HubConfig) -> list[str]:
     ]
 
 
-#: Value of the key `engine` -> class of the engine.
-ENGINES: dict[str, Callable[[World], Engine]] = {
-    "batch": RecordsEngine,
-    "reference": RecordsEngine,
-    "expected": ExpectedEngine,
-}
+def make_engine(config: HubConfig) -> Engine:
+    """Return the engine for the key `engine`: batch and reference run schemes on records."""
+    kind = ExpectedEngine if config.engine == "expected" else RecordsEngine
+    return kind(find_world(config))
 
 
 def describe_run(run: Candidate) -> Aspects:
@@ -308,7 +306,7 @@ def describe_run(run: Candidate) -> Aspects:
         origin=list_origin(config),
         beside=list_baselines(config),
         best_of=None
-        if ENGINES[config.engine](world).samples
+        if config.engine != "expected"
         else lambda rows, grid, schemes, criterion: answers.best_scheme(
             Cube.of_rows(rows, schemes, world.conditions, grid), [criterion], window
         ),

@@ -113,9 +113,9 @@ class HubStudy(HubKeys):
         return find_world(config).conditions
 
     def engine(self, config: HubConfig) -> Engine:
-        from owtsweep.studies.hub.engines import ENGINES
+        from owtsweep.studies.hub.engines import make_engine
 
-        return ENGINES[config.engine](find_world(config))
+        return make_engine(config)
 
     def find_bound(self, config: HubConfig) -> float | None:
         """Return bound (b), of all linear estimators, which may know the motion's spectrum."""

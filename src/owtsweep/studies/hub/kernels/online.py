@@ -38,7 +38,7 @@ from owtsweep.studies.hub.kernels.window import (
 
 @njit
 def advance(begin, resume, samples, f, h, m, estimates):
-    """Process the samples from row `begin` on and fill the rows of `OnlineEstimates`.
+    """Process the samples from row `begin` on and fill the rows of `OnlineEstimates`, NaN so far.
 
     Return the number of rows when all are done. If the MHE violates its constraints at a row,
     return the number of this row. The caller then solves the window with its constraints, puts the
@@ -71,9 +71,6 @@ def advance(begin, resume, samples, f, h, m, estimates):
             variance[i] = ss
             for axis in range(2):
                 innovation[i, axis] = m.steps[m.counter[ROW]].s[axis]
-        else:
-            variance[i] = np.nan
-            innovation[i, 0] = innovation[i, 1] = np.nan
         m.counter[STEP] += 1
     return rows
 

@@ -99,14 +99,13 @@ def horizon_has_position(f, h, m):
 @part
 def horizon_position(f, h, m):
     """Put the MHE's position, if there is one, into m.given; return whether constraints hold."""
+    if not horizon_has_position(f, h, m):
+        return True
     n = m.counter[LINKS]
     since = m.counter[STEP] % f.fix_interval
     if not m.counter[DETERMINED]:
-        if since == 0 and m.have[n]:
-            # too few fixes for a window: the filter gets the fix itself
-            m.given[0, 0], m.given[0, 1] = m.z[n, 0], m.z[n, 1]
-        return True
-    if m.counter[STEP] % h.interval != 0:
+        # too few fixes for a window: the filter gets the fix itself
+        m.given[0, 0], m.given[0, 1] = m.z[n, 0], m.z[n, 1]
         return True
     g = h.growth[since]
     last = m.nodes[n + 1]

@@ -69,18 +69,13 @@ def _raise_variance(covariance: Array, fix_variance: float) -> Array:
 
 
 def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
-    """Make arrays for the estimates of some steps; nothing is known in the first `unknown` steps.
+    """Make arrays, NaN, for the estimates of some steps, before which there is no innovation.
 
-    In these the state is NaN, the variances are infinite, and there is no innovation. The values of
-    the other steps are still to be filled.
+    Nothing is known in the first `unknown` steps: their variances are infinite.
     """
-    out = OnlineEstimates(
-        np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
-    )
-    if unknown:
-        for series in (out.state, out.innovation, out.innovation_variance):
-            series[:unknown] = np.nan
-        out.covariance[:unknown] = np.diag([np.inf, np.inf])
+    shapes: tuple[tuple[int, ...], ...] = (4,), (2, 2), (2,), ()
+    out = OnlineEstimates(*(np.full((steps, *shape), np.nan) for shape in shapes))
+    out.covariance[:unknown] = np.diag([np.inf, np.inf])
     return out
 
 

@@ -56,7 +56,8 @@ class MultirateKalmanFilter:
         self.kf.Q = np.kron(axis.model.Q, _I)
         self.kf.P = np.kron(axis.initial_covariance, _I)
         self.position_rows = np.kron(POSITION, _I)
-        self.force_rows = rotation.T @ np.kron(axis.force_row, _I)  # (6b): R'(x3 - x4)
+        force_rows = rotation.T @ np.kron(axis.force_row, _I)  # (6b): R'(x3 - x4)
+        self.H = np.vstack([self.position_rows, force_rows])
         self.previous_input = np.zeros((2, 1))
         # the last fix; only the rule `mask_rows` uses it, as Algorithm 6 is printed
         self.held_fix: Array = np.zeros(2)
@@ -94,15 +95,11 @@ class MultirateKalmanFilter:
 
     def _correct(self, force: Array, fix: Array | None, variance: float) -> None:
         """Correct the state by filterpy (Joseph form), with the IMU sample and the fix, if any."""
-        parts = []
-        if fix is not None:
-            parts.append((self.position_rows, fix, variance))
-        if not self.takes_input:
-            parts.append((self.force_rows, force, self.axis.force_variance))
-        if parts:
-            rows, values, variances = zip(*parts, strict=True)
-            R = np.kron(np.diag(variances), _I)
-            self.kf.update(np.concatenate(values).reshape(-1, 1), R=R, H=np.vstack(rows))
+        used = np.repeat([fix is not None, not self.takes_input], 2)
+        if used.any():
+            z = np.concatenate([np.zeros(2) if fix is None else fix, force])[used]
+            R = np.diag(np.repeat([variance, self.axis.force_variance], 2)[used])
+            self.kf.update(z.reshape(-1, 1), R=R, H=self.H[used])
 
     def _masked(self, force: Array) -> None:
         """Correct at a step without a fix, by Algorithm 6, lines 5 to 10, of Ren et al. (2019).
@@ -112,10 +109,8 @@ class MultirateKalmanFilter:
         corrected covariance is (I - K H) P as the paper prints it; H is the measurement matrix.
         """
         kf = self.kf
-        H = np.vstack([self.position_rows, self.force_rows])
-        R = np.kron(np.diag([self.axis.position_variance, self.axis.force_variance]), _I)
-        if self.takes_input:
-            H, R = H[:2], R[:2, :2]
+        H = self.H[:2] if self.takes_input else self.H
+        R = np.diag(np.repeat([self.axis.position_variance, self.axis.force_variance], 2)[: len(H)])
         K = kf.P @ H.T @ np.linalg.inv(H @ kf.P @ H.T + R)
         z = np.concatenate([kf.x[:2, 0], force])[: len(H)]
         if self.rule == "mask_columns":
