@@ -22,8 +22,12 @@ from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.studies.hub.tuning import search
-from owtsweep.studies.hub.tuning.errors import errors_on_records, expected_errors, score
-from owtsweep.studies.hub.tuning.search import find_space
+from owtsweep.studies.hub.tuning.search import (
+    errors_on_records,
+    expected_errors,
+    find_space,
+    score,
+)
 from owtsweep.studies.hub.tuning.tuned import judge, list_tunable, tune
 from owtsweep.sweep.keys import question_hash, run_hash
 

@@ -19,7 +19,7 @@ from owtsweep.statistics.inference import t_quantile
 from owtsweep.studies.base.varying.sentences import answer_each
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.describe import tell_window
-from owtsweep.studies.hub.tuning.errors import errors_on_records
+from owtsweep.studies.hub.tuning.search import errors_on_records
 from owtsweep.studies.hub.varying import compute, list_common_facts, make_errors
 
 RATE = Condition("value", "sensors.gnss.rate", "Hz", "log")

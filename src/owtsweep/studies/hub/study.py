@@ -173,8 +173,7 @@ class HubStudy(HubKeys):
     def predict_tune(self, config: HubConfig) -> tuple[float, float] | None:
         """Return the time and the memory of a search by expected errors, as `Study` says."""
         from owtsweep.studies.hub.engines import PROCESS
-        from owtsweep.studies.hub.tuning.errors import has_curves
-        from owtsweep.studies.hub.tuning.search import SECONDS
+        from owtsweep.studies.hub.tuning.search import SECONDS, has_curves
         from owtsweep.studies.hub.tuning.tuned import list_tunable
 
         schemes = list_tunable(config)

@@ -16,8 +16,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.describe import describe_truth
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.tuning.errors import amplitudes, errors_on_records
-from owtsweep.studies.hub.tuning.search import find_space, search
+from owtsweep.studies.hub.tuning.search import amplitudes, errors_on_records, find_space, search
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
