@@ -20,7 +20,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.sensors import Sensors, force_per_displacement
-from owtsweep.studies.hub.settled import KEPT_CYCLES, cycle_of, limit, longest, settled
+from owtsweep.studies.hub.settled import KEPT_CYCLES, MOST_CYCLES, cycle_of, limit, settled
 
 Complex = NDArray[np.complex128]
 
@@ -101,7 +101,7 @@ def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> t
     """
     cycle = cycle_of(chain)
     steps = max(round(settle / sensors.step / cycle), 1) * cycle
-    most = longest(chain)
+    most = MOST_CYCLES * cycle
     while True:
         error = _error_phasors(chain, sensors, frequency, steps)
         (position, rest_p), (velocity, rest_v) = (limit(part) for part in error)

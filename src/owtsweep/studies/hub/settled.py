@@ -16,7 +16,7 @@ Complex = NDArray[np.complex128]
 
 #: Number of cycles from which a limit is extrapolated: two more than the modes that are removed.
 KEPT_CYCLES = 10
-#: No run is longer than this many cycles.
+#: No response is computed for more than this many cycles until it has settled.
 MOST_CYCLES = 4096
 
 
@@ -48,11 +48,6 @@ def filling(chain: Chain) -> int:
     """Return the number of steps after which all windows and delays of a chain are full."""
     fixes = chain.mhe.horizon + 1 if chain.mhe.active else 1
     return fixes * chain.filter.fix_interval + chain.filter.window + chain.predictor.steps
-
-
-def longest(chain: Chain) -> int:
-    """Return the greatest number of steps for which a response is computed until it has settled."""
-    return MOST_CYCLES * cycle_of(chain)
 
 
 def limit(sequence: Complex) -> tuple[Complex, Array]:
