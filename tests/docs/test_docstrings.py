@@ -25,7 +25,6 @@ POINTER = re.compile(r"`[A-Za-z_.]+`")
 #: Functions that still say neither; nobody may join them.
 SILENT = {
     "studies/floater/schemes/printed.py: output_noise",
-    "studies/floater/worlds.py: Recorded.find_frequencies",
     "studies/tower/schemes/mde.py: Bands.integrate",
     "studies/tower/truth.py: find_damping",
     "verdicts/judge.py: Task.ratio",

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from owtsweep.config import require
+from owtsweep.motion.lines import HIGHEST, Span
 from owtsweep.studies.base.axes import check_axes
+from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
-from owtsweep.studies.floater.schemes import SCHEMES
-from owtsweep.studies.floater.worlds import WORLDS
+from owtsweep.studies.floater.contract import DOF
+from owtsweep.studies.floater.motion_recorded import read_motion
+from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 
 #: Most samples of a record: of more, motion and estimates do not fit into memory.
 MOST_SAMPLES = 1_000_000
 #: Signal-to-noise ratios in dB beyond which numbers overflow.
 LEAST_RATIO, MOST_RATIO = -100.0, 400.0
+#: Kind of a simulated motion -> how many times its standard deviation an angle reaches about its
+#: mean, or its deflection.
+REACH = {"synthetic": 3.0, "decay": 1.0}
 
 
 def check(config: FloaterConfig) -> None:
@@ -20,14 +28,84 @@ def check(config: FloaterConfig) -> None:
     SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
     check_axes(CONTEST, config)
-    WORLDS[config.motion.kind].check(config)
+    if config.motion.kind == "recorded":
+        _check_recorded(config)
+    else:
+        _check_freedoms(config)
+        _check_angles(config)
     _check_sensors(config)
     _check_times(config)
 
 
 def check_outside(config: FloaterConfig) -> None:
     """Raise `InputError` if the file of a recorded motion cannot be used."""
-    WORLDS[config.motion.kind].check_outside(config)
+    if config.motion.kind == "recorded":
+        read_motion(config.motion, None, Span(config.record.steps, 1.0 / config.record.rate))
+
+
+def _check_recorded(config: FloaterConfig) -> None:
+    require(
+        config.grid.roll is None,
+        "grid.roll: a recorded motion has its own; use grid.roll=null",
+    )
+    require(
+        config.motion.file is not None,
+        "motion.file: kind=recorded needs a file; give motion.file=basin.csv",
+    )
+
+
+def _check_freedoms(config: FloaterConfig) -> None:
+    """Check that every degree of freedom moves, in a resonance that the samples show."""
+    motion, record = config.motion, config.record
+    for name in DOF:
+        require(
+            name in motion.freedoms,
+            f"motion.freedoms: {name} is missing; give all of {', '.join(DOF)}",
+        )
+        freedom = motion.freedoms[name]
+        require(
+            freedom.resonance.sigma + freedom.waves > 0.0,
+            f"motion.freedoms.{name}: it does not move, so no error is relative to it; give it a "
+            "small motion",
+        )
+        highest = HIGHEST / min(freedom.resonance.period, motion.wave_period)
+        require(
+            record.rate >= 2.0 * highest,
+            f"record.rate: {record.rate:g} Hz cannot show motion up to {highest:.4g} Hz ({name}); "
+            f"give {np.ceil(2e3 * highest) / 1e3:g} Hz or more",
+        )
+
+
+def _check_angles(config: FloaterConfig) -> None:
+    """Check that pitch stays below 90 degrees, and roll, too, if a scheme takes angles for small.
+
+    At a pitch of 90 degrees roll and yaw are the same (Eq. 2 divides by its cosine). Other schemes
+    bear any roll below 180 degrees, where the angle jumps.
+    """
+    motion, grid, times = config.motion, config.grid, REACH[config.motion.kind]
+    names = list_names(config.schemes)
+    angled = [name for name in names if name in SCHEMES.listed and name not in LARGE_ANGLES]
+    most = 90.0 if angled else 180.0
+    who = f", where Euler angles fail ({', '.join(angled)})" if angled else ""
+    instead = ", or schemes=[ERROR_STATE]" if angled else ""
+    checked = {"phi": (most, who, instead), "theta": (90.0, ", where Euler angles fail", "")}
+    if grid.roll is not None:
+        checked.pop("phi")
+        mean = abs(motion.freedoms["phi"].mean)
+        free = max(np.floor((most - mean) / times - 1e-9), 0.0)
+        require(
+            mean + times * max(grid.roll) < most,
+            f"grid.roll: {max(grid.roll):g} deg reaches {most:g} deg{who}; give at most "
+            f"{free:g}{instead}",
+        )
+    for name, (limit, where, otherwise) in checked.items():
+        freedom = motion.freedoms[name]
+        own = times * np.hypot(freedom.resonance.sigma, freedom.waves)
+        require(
+            abs(freedom.mean) + own < limit,
+            f"motion.freedoms.{name}: a mean of {freedom.mean:g} deg and {own:.3g} deg about it "
+            f"reach {limit:g} deg{where}; give less motion{otherwise}",
+        )
 
 
 def _check_times(config: FloaterConfig) -> None:
@@ -99,9 +177,11 @@ def _check_optical_rate(config: FloaterConfig) -> None:
         f"sensors.optical_rate: {sensors.optical_rate:g} Hz is above record.rate, "
         f"{record.rate:g} Hz; give at most that",
     )
-    periods = WORLDS[motion.kind].find_periods(motion)
-    if not periods:
+    if motion.kind == "recorded":
         return
+    periods = [freedom.resonance.period for freedom in motion.freedoms.values()]
+    if motion.kind == "synthetic":
+        periods.append(motion.wave_period)
     fastest = 1.0 / min(periods)
     require(
         sensors.optical_rate > 2.0 * fastest,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest, tell_single
 from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.measures import CRITERIA, MEASURES
-from owtsweep.studies.floater.worlds import WORLDS
 
 #: The axes that the grid may have, of which a map shows two.
 CONDITIONS = (
@@ -22,6 +22,11 @@ CONDITIONS = (
 )
 #: Values of axes of which nothing needs to be said.
 USUAL = {"delay": 0.0, "bias": 0.0, "loss": 0.0, "believed": 1.0}
+#: Kind of a simulated motion -> what is said of it.
+MOTIONS = {
+    "synthetic": "synthetic motion, resonances of {}, waves of {:g} s",
+    "decay": "decay motion, release, natural periods {}",
+}
 #: Keys of the section `sensors` -> what is said if they are set.
 SENSORS = {
     "exact_inertial": "accelerations without noise",
@@ -33,8 +38,14 @@ SENSORS = {
 
 def describe_truth(config: FloaterConfig) -> str:
     """Return the motion and the length of the records in words."""
-    record, kind = config.record, WORLDS[config.motion.kind].describe(config.motion)
-    return f"{kind}; {record.duration:g} s at {record.rate:g} Hz"
+    record, motion = config.record, config.motion
+    if motion.kind == "recorded":
+        words = tell_alone(str(motion.file))
+    else:
+        slow = sorted({freedom.resonance.period for freedom in motion.freedoms.values()})
+        periods = f"{slow[0]:g} to {slow[-1]:g} s" if len(slow) > 1 else f"{slow[0]:g} s"
+        words = MOTIONS[motion.kind].format(periods, motion.wave_period)
+    return f"{words}; {record.duration:g} s at {record.rate:g} Hz"
 
 
 def describe_sensors(config: FloaterConfig) -> str:

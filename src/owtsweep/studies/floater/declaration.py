@@ -10,6 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.evaluation.estimate import Reading
+from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
@@ -19,9 +20,9 @@ from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import DRIFT_TIME, find_sigmas, measure, scale_accelerations
+from owtsweep.studies.floater.motion_recorded import read_file
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
-from owtsweep.studies.floater.worlds import WORLDS
 
 #: Keys and sections of the configuration on which every row depends.
 CONTENT = ("seed", "record", "motion", "sensors", "filters")
@@ -57,7 +58,8 @@ def list_content(config: FloaterConfig) -> dict[str, object]:
     """Return what the rows of every block depend on; a file of motion by its bytes."""
     whole = as_mapping(config)
     content = {name: whole[name] for name in CONTENT}
-    content["motion"] = whole["motion"] | WORLDS[config.motion.kind].list_files(config.motion)
+    if config.motion.kind == "recorded":
+        content["motion"]["file"] = hash_file(expand_home(str(config.motion.file)))
     return content
 
 
@@ -90,6 +92,11 @@ def make_setting(config: FloaterConfig, motion: Motion, cell: Cell) -> Setting:
         "truth": cell["delay"] * truth.step,
     }[tuning.delay]
     moved = [part.std(axis=0) for part in (truth.position, truth.velocity, truth.acceleration)]
+    if config.motion.kind == "recorded":  # the frequency of zero crossings
+        frequency = moved[1] / moved[0]
+    else:
+        periods = [config.motion.freedoms[name].resonance.period for name in DOF]
+        frequency = 2.0 * np.pi / np.array(periods)
     return Setting(
         step=truth.step,
         position_sigma=wrong * sigmas.position,
@@ -99,7 +106,7 @@ def make_setting(config: FloaterConfig, motion: Motion, cell: Cell) -> Setting:
         bias_walk=walk,
         delay=delay,
         motion_sigma=np.stack(moved),
-        frequency=WORLDS[config.motion.kind].find_frequencies(config.motion, truth),
+        frequency=frequency,
         body=body,
         zeros=config.sensors.lost_as == "zeros",
         tuning=tuning,
@@ -149,6 +156,11 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
     return Stated(found, covariances, given.latency)
 
 
+def _warn(config: FloaterConfig) -> None:
+    if config.motion.kind == "recorded":
+        read_file(config.motion).log_notes()
+
+
 def list_untold(config: FloaterConfig) -> Untold:
     """Return what schemes are not told; a world that moves an axis of the map is none."""
     snr = config.grid.snr[0] - 6.0
@@ -187,6 +199,6 @@ DECLARATION = Declaration(
     count_samples=lambda record: len(record.motion.truth.position),
     show=_show,
     state=_state,
-    warn=lambda config: WORLDS[config.motion.kind].warn(config.motion),
+    warn=_warn,
     list_untold=list_untold,
 )

@@ -12,8 +12,11 @@ from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, Span, interpolate
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Truth
-from owtsweep.studies.floater.worlds import WORLDS
+from owtsweep.studies.floater.motion_recorded import read_motion
+from owtsweep.studies.floater.motion_synthetic import decay, draw_motion
 
+#: Kind of motion -> what makes it, of the section `motion`, streams, samples and roll.
+DRAW = {"synthetic": draw_motion, "decay": decay, "recorded": read_motion}
 #: Samples that are known before the oldest report, for irregular reports.
 MARGIN = 20
 
@@ -46,7 +49,7 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
     step, steps = 1.0 / record.rate, record.steps
     lead = min(int(np.ceil(max(config.grid.delay))) + MARGIN, steps)
     span = Span(steps, step, lead)
-    series = WORLDS[motion.kind].draw(motion, config.draws(replicate), span, roll)
+    series = DRAW[motion.kind](motion, config.draws(replicate), span, roll)
     position, velocity, acceleration = (part[lead:] for part in series)
     angles, rates = position[:, 3:], velocity[:, 3:]
     small = motion.attitude == "small"
