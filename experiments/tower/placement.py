@@ -35,11 +35,13 @@ from owtsweep.studies.tower.measuring import Faults, Place, add_errors, take_sig
 from owtsweep.studies.tower.placement import (
     Choice,
     Criterion,
+    PlacementCase,
     choose_exhaustively,
     choose_greedily,
+    pose,
     predict,
 )
-from owtsweep.studies.tower.placement_case import PlacementCase, make_case
+from owtsweep.studies.tower.placement_case import make_case
 from owtsweep.studies.tower.schemes import SCHEMES
 
 SET_UP = ("sensors=accelerometers", "grid.noise=[1]", "record.duration=400")
@@ -107,7 +109,7 @@ def main(arguments: list[str]) -> int:
     except InputError as error:
         print(f"placement: {error}", file=sys.stderr)
         return 2
-    problem = case.problem
+    problem = pose(case)
     rows, sets, figures = [], [], {}
     for criterion in CRITERIA:
         greedy = choose_greedily(problem, MOST, criterion)

@@ -19,9 +19,10 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 
-#: Most doublings: 2^40 periods.
+#: Most doublings, unless a caller gives another number: 2^40 periods.
 DOUBLINGS = 40
-#: The covariance is steady when a doubling changes its diagonal by less than this share.
+#: The covariance is steady when a doubling changes its diagonal by less than this share; also a
+#: default.
 STEADY = 1e-10
 
 
@@ -78,18 +79,20 @@ def make_update(row: Array, variance: float) -> CovarianceMap:
     return CovarianceMap(np.eye(n), np.outer(row, row) / variance, np.zeros((n, n)))
 
 
-def find_steady_covariance(period: CovarianceMap) -> Array:
+def find_steady_covariance(
+    period: CovarianceMap, steady: float = STEADY, doublings: int = DOUBLINGS
+) -> Array:
     """Compute the covariance (n, n) that the map of a period returns unchanged.
 
     Raises InputError if the covariance grows without end: the measurements do not see all states.
     """
     before = np.diagonal(period.H)
-    for _ in range(DOUBLINGS):
+    for _ in range(doublings):
         period = period.then(period)
         after = np.diagonal(period.H)
         if not np.all(np.isfinite(after)):
             break
-        if np.all(np.abs(after - before) <= STEADY * np.abs(after)):
+        if np.all(np.abs(after - before) <= steady * np.abs(after)):
             return period.H
         before = after
     raise InputError(

@@ -15,7 +15,7 @@ from owtsweep.cli import BAD_INPUT, DONE, INTERRUPTED, main
 from owtsweep.structures import find_structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.registry import compose
-from owtsweep.studies.tower.placement import predict
+from owtsweep.studies.tower.placement import pose, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
 from owtsweep.studies.tower.placing import list_defaults
 
@@ -55,7 +55,7 @@ def test_it_says_how_many_and_where(quantity, unit, tmp_path, capsys):
     config = compose([*MONOPILE, *list_defaults(())])
     divided = divide_tubes(structure, (structure.hub - structure.mudline) / 13, HEIGHTS)
     config = config.model_copy(update={"structure": divided})
-    problem = make_case(config, inclinometers=HEIGHTS, spread=True).problem
+    problem = pose(make_case(config, inclinometers=HEIGHTS, spread=True))
     criterion = "moment" if quantity == "base_moment" else "stress"
     errors = {
         chosen: predict(problem, chosen).error(criterion)
@@ -189,13 +189,14 @@ def test_what_is_predicted_to_be_better_is_better_on_records():
         ["study=tower", "tuning=paper", "sensors=accelerometers", "grid.noise=[1]", *SHORT]
     )
     case = make_case(config)
-    heights = list(case.problem.heights)
+    problem = pose(case)
+    heights = list(problem.heights)
     for criterion, good, bad in (("stress", (0, 136, 175), (20, 35, 40)),
                                  ("moment", (0, 15, 45), (123, 149, 175))):  # fmt: skip
         said, found = [], []
         for places in (good, bad):
             chosen = [heights.index(place) for place in places]
-            said.append(predict(case.problem, chosen).error(criterion))
+            said.append(predict(problem, chosen).error(criterion))
             found.append(simulate(case, chosen, config.record.settled)[criterion == "moment"])
         assert said[0] < 0.5 * said[1]
         assert found[0] < 0.5 * found[1]

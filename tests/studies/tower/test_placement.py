@@ -15,6 +15,8 @@ from owtsweep.structures.reduction import reduce_free
 from owtsweep.studies.tower.contract import Channel, Priors, Setting
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.placement import (
+    PlacementCase,
+    Problem,
     choose_exhaustively,
     choose_greedily,
     extend,
@@ -54,9 +56,18 @@ def setting() -> Setting:
     )  # fmt: skip
 
 
+def choose_among(setting: Setting, candidates: list[Channel]) -> Problem:
+    """Return the problem with errors in MPa and MN m."""
+    case = PlacementCase(
+        setting, tuple(candidates), STRESS, CUT.heights - CUT.heights[0], np.full(NODES, 1e6), 1e6,
+        motions=(), ground=CUT.heights[0], wave=False,
+    )  # fmt: skip
+    return pose(case)
+
+
 @pytest.fixture(scope="module")
 def problem(setting):
-    return pose(setting, theta(*PLACES), STRESS, stress_scale=1e6, moment_scale=1e6)
+    return choose_among(setting, theta(*PLACES))
 
 
 def recurse(setting, channels, steps):
@@ -98,7 +109,7 @@ def test_the_translation_that_is_left_out_changes_nothing(setting, problem):
 
 def test_a_displacement_keeps_the_translation(setting):
     with_fix = replace(setting, channels=(*setting.channels, Channel("x", 19, 0.01)))
-    problem = pose(with_fix, theta(*PLACES), STRESS, stress_scale=1e6, moment_scale=1e6)
+    problem = choose_among(with_fix, theta(*PLACES))
     assert len(problem.transition) == 2 * len(setting.reduced.omega) + 4
     model, P = recurse(with_fix, theta(*PLACES), 1500)
     moment = model.scale[1] * np.sqrt(P[2 * model.modes + 1, 2 * model.modes + 1])
@@ -129,7 +140,7 @@ def test_a_further_sensor_never_does_harm(problem):
 
 
 def test_accelerometers_alone_see_no_bending(setting):
-    problem = pose(setting, theta(0, 19), STRESS)
+    problem = choose_among(setting, theta(0, 19))
     assert predict(problem, ()).moment == np.inf
     with pytest.raises(InputError, match=r"count: no 2 of the candidate heights let the filter"):
         choose_greedily(problem, 2)
@@ -138,7 +149,7 @@ def test_accelerometers_alone_see_no_bending(setting):
 def test_impossible_counts_are_refused(setting, problem):
     with pytest.raises(InputError, match="count: 8 inclinometers, but there are 7 candidate"):
         choose_exhaustively(problem, 8)
-    many = pose(setting, theta(*PLACES, *PLACES, *PLACES, *PLACES), STRESS)
+    many = choose_among(setting, theta(*PLACES, *PLACES, *PLACES, *PLACES))
     with pytest.raises(InputError, match="heights: 10 of 28 are 13123110 sets, more than"):
         choose_exhaustively(many, 10)
 
@@ -147,7 +158,7 @@ def test_rounding_does_not_make_two_inclinometers_enough(setting):
     # with quiet sensors, rounding alone would stop the growth of the covariance
     quiet = tuple(replace(channel, sigma=1e-5) for channel in setting.channels)
     candidates = [replace(channel, sigma=1e-6) for channel in theta(*PLACES)]
-    problem = pose(replace(setting, channels=quiet), candidates, STRESS)
+    problem = choose_among(replace(setting, channels=quiet), candidates)
     for count, seen in ((1, False), (2, False), (3, True)):
         for chosen in combinations(range(len(PLACES)), count):
             assert np.isfinite(predict(problem, chosen).moment) == seen

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -15,8 +15,7 @@ from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth
 from owtsweep.studies.tower.contract import Kind
-from owtsweep.studies.tower.placement import Choice, Criterion
-from owtsweep.studies.tower.placement_case import PlacementCase
+from owtsweep.studies.tower.placement import Choice, Criterion, PlacementCase
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -63,45 +62,45 @@ class PlacedSensors:
 
     def table(self) -> pd.DataFrame:
         """Return a row for each number of inclinometers, in SI units and shares."""
-        return pd.DataFrame(
-            {
-                "inclinometers": len(choice.chosen),
-                "heights": " ".join(f"{height:.9g}" for height in choice.heights),
-                "quantity": self.quantity,
-                "standard_deviation": self._size(choice),
-                "unit": QUANTITIES[self.quantity][1],
-                "share": self._share(choice),
-                "weld": self.case.welds[choice.weld] if self.quantity == "stress" else np.nan,
-                "next_height": _find_added(choice, better) if better else np.nan,
-                "next_lowers": self._gain(choice, better),
-            }
-            for choice, better in self._steps()
-        )
+        criterion, unit = QUANTITIES[self.quantity]
+        stressed, rows = self.quantity == "stress", []
+        for choice, better in zip(self.choices, [*self.choices[1:], self.further], strict=True):
+            share = choice.error(criterion)
+            scale = self.case.stress_scale[choice.weld] if stressed else self.case.moment_scale
+            added = {*better.heights} - {*choice.heights} if better else {np.nan}
+            rows.append(
+                {
+                    "inclinometers": len(choice.chosen),
+                    "heights": " ".join(f"{height:.9g}" for height in choice.heights),
+                    "quantity": self.quantity,
+                    "standard_deviation": share * scale,
+                    "unit": unit,
+                    "share": share,
+                    "weld": self.case.welds[choice.weld] if stressed else np.nan,
+                    "next_height": added.pop(),
+                    "next_lowers": self._gain(choice, better) if better else np.nan,
+                }
+            )
+        return pd.DataFrame(rows)
 
     def answer(self) -> RenderableType:
         """Return the sentence that answers, the table, and what both rest on."""
         from rich.console import Group
         from rich.text import Text
 
-        lines = [*self._tell_origin(), *self._tell_limits()]
-        return Group(Text(self._tell_enough()), self._make_table(), *(Text(x) for x in lines))
+        steps = self.table()
+        # the first number of inclinometers at which no further one is worth it
+        enough = int(max(np.flatnonzero(steps["next_lowers"] >= WORTH), default=-1)) + 1
+        lines = [*self._tell_origin(), *self._tell_limits(enough)]
+        rows = list(steps.itertuples())
+        return Group(
+            Text(self._tell_enough(rows, enough)), self._make_table(rows), *(Text(x) for x in lines)
+        )
 
-    def _steps(self) -> list[tuple[Choice, Choice | None]]:
-        return list(zip(self.choices, [*self.choices[1:], self.further], strict=True))
-
-    def _share(self, choice: Choice) -> float:
-        return choice.error(QUANTITIES[self.quantity][0])
-
-    def _size(self, choice: Choice) -> float:
-        """Return the standard deviation of the error, Pa or N m."""
-        scale = self.case.moment_scale
-        if self.quantity == "stress":
-            scale = float(self.case.stress_scale[choice.weld])
-        return self._share(choice) * scale
-
-    def _gain(self, choice: Choice, better: Choice | None) -> float:
-        """Return by which share another set lowers the standard deviation; NaN without one."""
-        return 1.0 - self._share(better) / self._share(choice) if better else np.nan
+    def _gain(self, choice: Choice, better: Choice) -> float:
+        """Return by which share another set lowers the standard deviation."""
+        criterion = QUANTITIES[self.quantity][0]
+        return 1.0 - better.error(criterion) / choice.error(criterion)
 
     def _name_quantity(self) -> str:
         if self.quantity == "stress":
@@ -110,70 +109,47 @@ class PlacedSensors:
         where = "base" if low == 0.0 else f"lower cut, {low:g} m above the ground"
         return f"the bending moment at the {where}"
 
-    def _find_enough(self) -> int:
-        """Return the first place in `choices` at which no further inclinometer is worth it.
-
-        It is the number of `choices` if even the last of them is not enough.
-        """
-        worth = [n for n, step in enumerate(self._steps()) if self._gain(*step) >= WORTH]
-        return worth[-1] + 1 if worth else 0
-
-    def _tell_enough(self) -> str:
-        enough = self._find_enough()
+    def _tell_enough(self, steps: Sequence[Any], enough: int) -> str:
         what = f"the standard deviation of the error of {self._name_quantity()}"
-        if enough == len(self.choices):
-            choice = self.choices[-1]
-            gain = _percent(self._gain(choice, self.further))
-            return (
-                f"{self._name_number(choice)} not enough: one more lowers {what} by {gain}. "
-                f"Look further, e.g. with --count {2 * len(choice.chosen)}."
-            )
-        choice, better = self._steps()[enough]
-        name, unit = self._name_number(choice), QUANTITIES[self.quantity][1]
-        where = f", at {_list(choice.heights)} m" if choice.chosen else ""
+        step = steps[min(enough, len(steps) - 1)]
+        number = int(step.inclinometers)
+        word = NUMBERS[number] if number < len(NUMBERS) else str(number)
+        more = " more" if "theta" in self.case.list_there() else ""
+        name = f"{word.capitalize()}{more} inclinometer{' is' if number == 1 else 's are'}"
+        gain = f"one more lowers {what} by {_percent(step.next_lowers)}."
+        if enough == len(steps):
+            return f"{name} not enough: {gain} Look further, e.g. with --count {2 * number}."
+        where = f", at {_list(self.choices[enough].heights)} m" if number else ""
         level = (
-            f"{self._size(choice) / MEGA:.3g} M{unit}, {_percent(self._share(choice))} of the "
+            f"{step.standard_deviation / MEGA:.3g} M{step.unit}, {_percent(step.share)} of the "
             "standard deviation of the signal itself."
         )
-        if better is None:
+        if np.isnan(step.next_height):
             return f"{name} needed{where}; no height is left for one more. Then {what} is {level}"
-        gain = _percent(self._gain(choice, better))
-        return (
-            f"{name} enough{where}: one more lowers {what} by {gain}. With {len(choice.chosen)} it "
-            f"is {level}"
-        )
+        return f"{name} enough{where}: {gain} With {number} it is {level}"
 
-    def _name_number(self, choice: Choice) -> str:
-        number = len(choice.chosen)
-        word = NUMBERS[number] if number < len(NUMBERS) else str(number)
-        more = " more" if any(c.kind == "theta" for c in self.case.setting.channels) else ""
-        verb = " is" if number == 1 else "s are"
-        return f"{word.capitalize()}{more} inclinometer{verb}"
-
-    def _make_table(self) -> Table:
+    def _make_table(self, steps: Sequence[Any]) -> Table:
         from rich.text import Text
 
-        unit = QUANTITIES[self.quantity][1]
+        stressed, unit = self.quantity == "stress", QUANTITIES[self.quantity][1]
         title = f"Standard deviation σ of the error of {self._name_quantity()}"
         table = start_table(title, padding=(0, 1, 0, 0))
         table.add_column("number", justify="right", no_wrap=True)
         table.add_column("heights (m)")
-        weld = ["weld (m)"] if self.quantity == "stress" else []
-        for name in (f"σ (M{unit})", "of signal", *weld):
+        for name in (f"σ (M{unit})", "of signal", *(["weld (m)"] if stressed else [])):
             table.add_column(name, justify="right", no_wrap=True)
         table.add_column("one more buys", no_wrap=True)
-        for choice, better in self._steps():
+        for choice, step in zip(self.choices, steps, strict=True):
+            gain = f"{_percent(step.next_lowers)} at {step.next_height:.4g} m"
             cells = [
-                str(len(choice.chosen)),
+                str(step.inclinometers),
                 _list(choice.heights) or "-",
-                f"{self._size(choice) / MEGA:.3g}",
-                f"{100.0 * self._share(choice):.3g} %",
+                f"{step.standard_deviation / MEGA:.3g}",
+                f"{100.0 * step.share:.3g} %",
+                *([f"{step.weld:.4g}"] if stressed else []),
+                "-" if np.isnan(step.next_height) else gain,
             ]
-            if self.quantity == "stress":
-                cells.append(f"{self.case.welds[choice.weld]:.4g}")
-            gain = _percent(self._gain(choice, better))
-            cells.append(f"{gain} at {_find_added(choice, better):.4g} m" if better else "-")
-            table.add_row(*(Text(cell) for cell in cells))
+            table.add_row(*map(Text, cells))
         return table
 
     def _tell_origin(self) -> list[str]:
@@ -201,15 +177,14 @@ class PlacedSensors:
         lines.append(f"Tuning {config.tuning_name}: loads are random walks with {loads}.")
         return lines
 
-    def _tell_limits(self) -> list[str]:
+    def _tell_limits(self, enough: int) -> list[str]:
         name = "AKF_WAVE" if self.case.wave else "AKF"
         start, last = len(self.choices[0].chosen), self.choices[-1]
-        chosen = self.choices[min(self._find_enough(), len(self.choices) - 1)]
+        chosen = self.choices[min(enough, len(self.choices) - 1)]
         gain = _percent(self._gain(chosen, self.everywhere))
         first = f"the first {start} as the best of all such sets, " if start > 1 else ""
-        worst = ""
-        if self.quantity == "stress":
-            worst = " The worst weld has the largest part of its own signal; this part is lowered."
+        worst = " The worst weld has the largest part of its own signal; this part is lowered."
+        worst = worst if self.quantity == "stress" else ""
         return [
             f"Assumed: the steady covariance of the linear {name} on its own model, which is taken "
             f"for right. It is no record; {self._tell_sweep(chosen)}.",
@@ -239,10 +214,6 @@ class PlacedSensors:
             f"for errors on records run `sweep` with the same overrides, {tuned} and "
             f"{' '.join(words)}"
         )
-
-
-def _find_added(choice: Choice, better: Choice) -> float:
-    return (set(better.heights) - set(choice.heights)).pop()
 
 
 def _list(heights: Collection[float] | Array) -> str:

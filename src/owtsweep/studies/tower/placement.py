@@ -16,19 +16,23 @@ settles.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import combinations
+from math import comb
 from typing import Literal
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
-from owtsweep.estimation.periodic import CovarianceMap
+from owtsweep.estimation.augmented import augment_walks
+from owtsweep.estimation.periodic import CovarianceMap, find_steady_covariance
 from owtsweep.io.steps import tell_step
-from owtsweep.studies.tower.contract import Channel, Setting
+from owtsweep.studies.tower.contract import Channel, Kind, Setting
 from owtsweep.studies.tower.models import model_cut
+from owtsweep.studies.tower.schemes.filtered import find_noise
+from owtsweep.studies.tower.truth import Motion
 
 #: The covariance has settled when doubling the number of steps changes variances by less than this.
 SETTLED = 1e-6
@@ -42,6 +46,40 @@ MANY_SETS = 1000
 NOTHING = 1e-9
 #: By what a set of sensors is judged.
 Criterion = Literal["stress", "moment"]
+
+
+@dataclass(frozen=True)
+class PlacementCase:
+    """A structure with its sensors to choose from, in one direction.
+
+    setting: the structure and its tuning; the channels are the sensors that are there already.
+    candidates: Inclinometers to choose from, upwards.
+    stress, welds: Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape
+        (welds, dof), and heights of these welds above ground in m, shape (welds,).
+    stress_scale, moment_scale: Standard deviations of the true stress at these welds in Pa, shape
+        (welds,), and of the true M0 in N m.
+    motions: the true motion of each record.
+    ground: Height of the ground above mean sea level in m.
+    wave: whether the wave load is a further unknown.
+    """
+
+    setting: Setting
+    candidates: tuple[Channel, ...]
+    stress: Array
+    welds: Array
+    stress_scale: Array
+    moment_scale: float
+    motions: tuple[Motion, ...]
+    ground: float
+    wave: bool
+
+    def list_there(self) -> dict[Kind, list[float]]:
+        """Return the heights above ground (m) of the sensors that are there, by kind."""
+        there: dict[Kind, list[float]] = {}
+        for channel in self.setting.channels:
+            height = float(self.setting.cut.heights[channel.node] - self.ground)
+            there.setdefault(channel.kind, []).append(height)
+        return there
 
 
 @dataclass(frozen=True)
@@ -92,57 +130,33 @@ class Choice:
         return self.stress if criterion == "stress" else self.moment
 
 
-def pose(
-    setting: Setting,
-    candidates: Sequence[Channel],
-    stress: Array,
-    *,
-    stress_scale: Array | float = 1.0,
-    moment_scale: float = 1.0,
-    ground: float | None = None,
-    wave: bool = False,
-) -> Problem:
-    """Pose the choice of sensors for one direction.
-
-    setting: the structure, its tuning, and the sensors that are there whatever is chosen.
-    candidates: Sensors to choose from, with the standard deviations of their noise.
-    stress: Stress (Pa) at each weld for unit degrees of freedom of the cut, shape (welds, dof).
-    stress_scale, moment_scale: What predicted errors are divided by, in Pa, shape (welds,) or one
-        number, and in N m: e.g. the standard deviations of the true signals. With 1, errors are in
-        Pa and N m.
-    ground: Height of the ground above mean sea level in m; None: the lower cut is at the ground.
-    wave: whether the wave load is a further unknown (AKF_WAVE).
-    """
+def pose(case: PlacementCase) -> Problem:
+    """Pose the choice of sensors for one direction; errors are shares of the case's scales."""
+    setting, candidates = case.setting, case.candidates
     channels = (*setting.channels, *candidates)
-    model = model_cut(replace(setting, channels=channels), wave=wave)
-    discrete, modes, inputs = model.discrete, model.modes, len(model.inputs)
-    states = 2 * modes
-    change = setting.priors.step_sigma[model.inputs] / model.scale
-    noise = [setting.tuning.process_noise, setting.rate_noise]
-    size = np.append(np.repeat(np.sqrt(noise), modes), change)
-    transition = np.eye(states + inputs)
-    transition[:states] = np.hstack([discrete.A, discrete.B])
+    model = model_cut(replace(setting, channels=channels), wave=case.wave)
+    noise = find_noise(replace(setting, channels=channels), model)
+    transition, rows, Q = augment_walks(model.discrete, noise.Q, noise.S)
+    size = np.sqrt(np.diag(Q))
     transition = transition * size / size[:, None]
-    sigma = np.array([channel.sigma for channel in channels])
-    rows = np.hstack([discrete.G, discrete.J]) * size / sigma[:, None]
-    bent = np.zeros((len(stress), states + inputs))
-    bent[:, :modes] = stress @ model.basis
-    bent *= size / np.broadcast_to(stress_scale, len(stress))[:, None]
+    rows = rows * size / np.array([channel.sigma for channel in channels])[:, None]
+    bent = np.zeros((len(case.stress), len(size)))
+    bent[:, : model.modes] = case.stress @ model.basis
+    bent *= size / case.stress_scale[:, None]
     moment = np.concatenate([model.loads_of_state[1], model.loads_of_input[1]])
-    moment = moment * size / moment_scale
+    moment = moment * size / case.moment_scale
     wanted = np.vstack([rows, bent, moment])
-    kept = _leave_out_translation(transition, wanted, modes)
+    kept = _leave_out_translation(transition, wanted, model.modes)
     transition = transition[kept][:, kept]
-    given = rows[: len(setting.channels), kept]
-    nodes = [channel.node for channel in candidates]
+    given, offered = np.split(rows[:, kept], [len(setting.channels)])
     return Problem(
         transition=transition,
         given=given.T @ given,
-        heights=setting.cut.heights[nodes] - (setting.cut.heights[0] if ground is None else ground),
-        rows=rows[len(setting.channels) :, kept],
+        heights=setting.cut.heights[[channel.node for channel in candidates]] - case.ground,
+        rows=offered,
         stress=bent[:, kept],
         moment=moment[kept],
-        lasting=_see_lasting(transition, given, rows[len(setting.channels) :, kept]),
+        lasting=_see_lasting(transition, given, offered),
     )
 
 
@@ -195,18 +209,13 @@ def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
         return None
     rows = problem.rows[numbers]
     information = problem.given + rows.T @ rows
-    size = len(information)
-    steps = CovarianceMap(problem.transition, information, np.eye(size))
-    for _ in range(DOUBLINGS):
-        before = np.diagonal(steps.H)
-        steps = steps.then(steps)
-        after = np.diagonal(steps.H)
-        if not np.all(np.isfinite(after)) or np.any(after <= 0.0):
-            return None
-        if np.all(np.abs(after - before) <= SETTLED * after):
-            predicted = steps.H
-            return np.asarray(np.linalg.solve(np.eye(size) + predicted @ information, predicted))
-    return None
+    one = np.eye(len(information))
+    step = CovarianceMap(problem.transition, information, one)
+    try:
+        predicted = find_steady_covariance(step, SETTLED, DOUBLINGS)
+    except InputError:
+        return None
+    return np.asarray(np.linalg.solve(one + predicted @ information, predicted))
 
 
 def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
@@ -232,8 +241,6 @@ def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "st
 
     Raise `InputError` if there are fewer candidates, or more sets than can be tried.
     """
-    from math import comb
-
     candidates = _count_candidates(problem, count)
     sets = comb(candidates, count)
     require(

@@ -8,7 +8,6 @@ scale of its error.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -19,12 +18,12 @@ from owtsweep.errors import require
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import assemble_cut, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Kind, Setting
+from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Kind
 from owtsweep.studies.tower.measuring import Place, find_node, list_places, take_signals
-from owtsweep.studies.tower.placement import Problem, pose
+from owtsweep.studies.tower.placement import PlacementCase
 from owtsweep.studies.tower.sections import KINDS, Faults
 from owtsweep.studies.tower.setting import make_setting, model_substructure
-from owtsweep.studies.tower.truth import Motion, make_truth
+from owtsweep.studies.tower.truth import make_truth
 
 #: Accelerometers where the user names no sensor.
 SPREAD = 5
@@ -33,53 +32,6 @@ SILENT = 1e-3
 #: Welds whose stress has less than this share of the largest standard deviation are not judged: on
 #: an S-N curve with m = 5 they have less than 1 % of the largest damage.
 IDLE = 0.01 ** (1.0 / 5.0)
-
-
-@dataclass(frozen=True)
-class PlacementCase:
-    """A structure with its sensors to choose from, in one direction.
-
-    setting: the structure and its tuning; the channels are the sensors that are there already.
-    candidates: Inclinometers to choose from, upwards.
-    stress, welds: Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape
-        (welds, dof), and heights of these welds above ground in m, shape (welds,).
-    stress_scale, moment_scale: Standard deviations of the true stress at these welds in Pa, shape
-        (welds,), and of the true M0 in N m.
-    motions: the true motion of each record.
-    ground: Height of the ground above mean sea level in m.
-    wave: whether the wave load is a further unknown.
-    """
-
-    setting: Setting
-    candidates: tuple[Channel, ...]
-    stress: Array
-    welds: Array
-    stress_scale: Array
-    moment_scale: float
-    motions: tuple[Motion, ...]
-    ground: float
-    wave: bool
-
-    @property
-    def problem(self) -> Problem:
-        """The choice as a problem; its errors are shares of the true standard deviations."""
-        return pose(
-            self.setting,
-            self.candidates,
-            self.stress,
-            stress_scale=self.stress_scale,
-            moment_scale=self.moment_scale,
-            ground=self.ground,
-            wave=self.wave,
-        )
-
-    def list_there(self) -> dict[Kind, list[float]]:
-        """Return the heights above ground (m) of the sensors that are there, by kind."""
-        there: dict[Kind, list[float]] = {}
-        for channel in self.setting.channels:
-            height = float(self.setting.cut.heights[channel.node] - self.ground)
-            there.setdefault(channel.kind, []).append(height)
-        return there
 
 
 def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] = ()) -> Structure:

@@ -12,7 +12,7 @@ from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors
-from owtsweep.studies.tower.placement import choose_greedily, extend, predict
+from owtsweep.studies.tower.placement import choose_greedily, extend, pose, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
 from owtsweep.sweep.study import PlaceQuestion
 
@@ -68,7 +68,7 @@ def place(config: TowerConfig, question: PlaceQuestion) -> PlacedSensors:
     spread = not _name_sensors(question.given)
     tell_step(f"a record of {config.record.duration:g} s, for the size of every signal")
     case = make_case(changed(config, structure=divided), inclinometers=heights, spread=spread)
-    problem, criterion = case.problem, QUANTITIES[quantity][0]
+    problem, criterion = pose(case), QUANTITIES[quantity][0]
     candidates = len(problem.heights)
     count = min(COUNT, candidates) if question.count is None else question.count
     tell_step(f"inclinometers one by one, of {candidates} heights")
