@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -114,3 +115,10 @@ class Scheme(contract.Scheme[Setting, Array, Estimates]):
     """A scheme of the tower study; measurements have the shape (steps, channels)."""
 
     study = "tower"
+
+
+@dataclass(frozen=True)
+class Direct(contract.Direct[Setting, Array, Estimates], Scheme):
+    """A scheme by its name, by what makes it ready for a setting, and by the axes it ignores."""
+
+    ignores: Sequence[str] = ()

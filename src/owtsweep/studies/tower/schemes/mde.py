@@ -28,7 +28,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from owtsweep.arrays import Array
 from owtsweep.structures.reduction import reduce_held
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
+from owtsweep.studies.tower.contract import Direct, Estimates, Setting
 from owtsweep.studies.tower.models import (
     balance_loads,
     decompose,
@@ -87,36 +87,31 @@ class Expansion:
         return Estimates(displacement, inputs, latency=self.step * len(measured))
 
 
-class MDE(Scheme):
-    """The scheme MDE."""
+def prepare(setting: Setting) -> Expansion:
+    """Compute shapes, and coordinates from sensors.
 
-    name = "MDE"
-
-    def prepare(self, setting: Setting) -> Expansion:
-        """Compute shapes, and coordinates from sensors.
-
-        Raise `Unable` if there is no accelerometer, or the sensors of a band do not tell its shapes
-        apart.
-        """
-        moved = [i for i, channel in enumerate(setting.channels) if channel.kind == "a"]
-        others = [i for i, channel in enumerate(setting.channels) if channel.kind != "a"]
-        if not moved:
-            raise Unable("MDE is blind to dynamics: it needs an accelerometer")
-        at = list_whole_dof(setting)
-        held = reduce_held(setting.whole, min(MODES, len(moved)))
-        loads = np.zeros((len(setting.whole.mass), 2))
-        loads[at[-2:], [0, 1]] = 1.0
-        static = respond_statically(setting.whole, loads[:, : min(2, len(others))])
-        first = held.omega[0] / (2.0 * np.pi)
-        return Expansion(
-            expanders=(
-                _expand(setting, others, static),
-                _expand(setting, moved, held.basis[:, :1]),
-                _expand(setting, moved, held.basis),
-            ),
-            splits=(SPLIT * first, UPPER * first),
-            step=setting.step,
-        )
+    Raise `Unable` if there is no accelerometer, or the sensors of a band do not tell its shapes
+    apart.
+    """
+    moved = [i for i, channel in enumerate(setting.channels) if channel.kind == "a"]
+    others = [i for i, channel in enumerate(setting.channels) if channel.kind != "a"]
+    if not moved:
+        raise Unable("MDE is blind to dynamics: it needs an accelerometer")
+    at = list_whole_dof(setting)
+    held = reduce_held(setting.whole, min(MODES, len(moved)))
+    loads = np.zeros((len(setting.whole.mass), 2))
+    loads[at[-2:], [0, 1]] = 1.0
+    static = respond_statically(setting.whole, loads[:, : min(2, len(others))])
+    first = held.omega[0] / (2.0 * np.pi)
+    return Expansion(
+        expanders=(
+            _expand(setting, others, static),
+            _expand(setting, moved, held.basis[:, :1]),
+            _expand(setting, moved, held.basis),
+        ),
+        splits=(SPLIT * first, UPPER * first),
+        step=setting.step,
+    )
 
 
 def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expander:
@@ -154,7 +149,7 @@ class Bands:
         frequency = rfftfreq(self.size, step)
         below = [1.0 / (1.0 + (frequency / split) ** (2 * ORDER)) for split in splits]
         #: Gain of each band, upwards, shape (splits + 1, frequencies).
-        self.gains = np.diff(np.array([0.0 * frequency, *below, 1.0 + 0.0 * frequency]), axis=0)
+        self.gains = np.diff(below, axis=0, prepend=0.0, append=1.0)
         self.rate = 2j * np.pi * frequency
 
     def differentiate(self, signal: Array, band: int) -> tuple[Array, Array, Array]:
@@ -172,10 +167,8 @@ class Bands:
         return self._back(once * inverse[:, None]), self._back(once), self._back(inside)
 
     def _transform(self, signal: Array, band: int) -> Array:
-        first, last = signal[:1], signal[-1:]
-        before = 2.0 * first - signal[self.margin : 0 : -1]
-        after = 2.0 * last - signal[-2 : -self.margin - 2 : -1]
-        padded = np.concatenate([before, signal, after])
+        both = (self.margin, self.margin), (0, 0)
+        padded = np.pad(signal, both, mode="reflect", reflect_type="odd")
         # The rest of the transform's length leads from the last value back to the first.
         rest = np.linspace(padded[-1], padded[0], self.size - len(padded) + 2)[1:-1]
         spectrum = rfft(np.concatenate([padded, rest]), axis=0)
@@ -186,4 +179,4 @@ class Bands:
         return np.ascontiguousarray(whole[self.margin : self.margin + self.steps])
 
 
-SCHEME = MDE()
+SCHEME = Direct("MDE", prepare)

@@ -22,7 +22,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import SOIL, Channel, Estimates, Scheme, Setting
+from owtsweep.studies.tower.contract import SOIL, Channel, Direct, Estimates, Setting
 from owtsweep.studies.tower.models import (
     decompose,
     list_whole_dof,
@@ -51,64 +51,53 @@ class Shapes:
         return Estimates(coordinates @ self.shapes.T, coordinates @ self.loads.T)
 
 
-class QuasiStatic(Scheme):
-    """The scheme QUASI_STATIC."""
+def prepare_shapes(setting: Setting) -> Shapes:
+    """Compute static shapes, and their coordinates from sensors.
 
-    name = "QUASI_STATIC"
-    ignores = SOIL
-
-    def prepare(self, setting: Setting) -> Shapes:
-        """Compute static shapes, and their coordinates from sensors.
-
-        Raise `Unable` if the sensors do not tell the shapes apart.
-        """
-        cut, channels = setting.cut, setting.channels
-        height = cut.heights[-1] - cut.heights[0]
-        shapes = np.zeros((len(cut.mass), 4))
-        shapes[:, :2] = move_rigidly(cut)
-        force = np.zeros((len(cut.mass) - 2, 2))
-        force[-2:] = np.eye(2)
-        shapes[2:, 2:] = np.linalg.solve(cut.stiffness[2:, 2:], force)  # the ground held
-        loads = np.zeros((4, 4))
-        loads[:, 2] = [-1.0, -height, 1.0, 0.0]
-        loads[:, 3] = [0.0, -1.0, 0.0, 1.0]
-        if not any(channel.kind == "x" for channel in channels):
-            shapes, loads = shapes[:, 1:], loads[:, 1:]  # no sensor feels translation
-        weight = np.array([0.0 if each.kind == "a" else 1.0 / each.sigma for each in channels])
-        rank, coordinates = decompose(channels, weight, shapes, setting.strain)
-        if rank < shapes.shape[1]:
-            raise Unable(
-                f"QUASI_STATIC is blind: its sensors (accelerometers do not count) see {rank} of "
-                f"{shapes.shape[1]} static shapes; it needs inclinometers at "
-                f"{shapes.shape[1]} heights"
-            )
-        return Shapes(coordinates, shapes, loads)
+    Raise `Unable` if the sensors do not tell the shapes apart.
+    """
+    cut, channels = setting.cut, setting.channels
+    height = cut.heights[-1] - cut.heights[0]
+    shapes = np.zeros((len(cut.mass), 4))
+    shapes[:, :2] = move_rigidly(cut)
+    force = np.zeros((len(cut.mass) - 2, 2))
+    force[-2:] = np.eye(2)
+    shapes[2:, 2:] = np.linalg.solve(cut.stiffness[2:, 2:], force)  # the ground held
+    loads = np.zeros((4, 4))
+    loads[:, 2] = [-1.0, -height, 1.0, 0.0]
+    loads[:, 3] = [0.0, -1.0, 0.0, 1.0]
+    if not any(channel.kind == "x" for channel in channels):
+        shapes, loads = shapes[:, 1:], loads[:, 1:]  # no sensor feels translation
+    weight = np.array([0.0 if each.kind == "a" else 1.0 / each.sigma for each in channels])
+    rank, coordinates = decompose(channels, weight, shapes, setting.strain)
+    if rank < shapes.shape[1]:
+        raise Unable(
+            f"QUASI_STATIC is blind: its sensors (accelerometers do not count) see {rank} of "
+            f"{shapes.shape[1]} static shapes; it needs inclinometers at "
+            f"{shapes.shape[1]} heights"
+        )
+    return Shapes(coordinates, shapes, loads)
 
 
-class ThrustLever(Scheme):
-    """The scheme THRUST_LEVER."""
+def prepare_lever(setting: Setting) -> Shapes:
+    """Choose the sensor and compute the static response: one shape, whose size is the thrust.
 
-    name = "THRUST_LEVER"
-
-    def prepare(self, setting: Setting) -> Shapes:
-        """Choose the sensor and compute the static response: one shape, whose size is the thrust.
-
-        Raise `Unable` if there is no sensor but accelerometers, or the sensor does not feel thrust.
-        """
-        whole, at = setting.whole, list_whole_dof(setting)
-        standing = whole.mass[np.ix_(at[-2:], at[-2:])] - setting.cut.mass[-2:, -2:]
-        offset = standing[0, 1] / standing[0, 0] if standing[0, 0] > 0.0 else 0.0
-        thrust = np.zeros((len(whole.mass), 1))
-        thrust[at[-2:], 0] = [1.0, offset]
-        shape = respond_statically(whole, thrust)[at]
-        number = choose_sensor(setting.channels)
-        reading = see(setting.channels[number], shape, setting.strain)[0]
-        if abs(reading) <= 1e-12 * np.abs(shape).max():
-            raise Unable("THRUST_LEVER is blind: its sensor does not feel thrust")
-        length = setting.cut.heights[-1] - setting.cut.heights[0]
-        per_signal = np.zeros((1, len(setting.channels)))
-        per_signal[0, number] = 1.0 / reading
-        return Shapes(per_signal, shape, np.array([[-1.0], [-(length + offset)], [1.0], [offset]]))
+    Raise `Unable` if there is no sensor but accelerometers, or the sensor does not feel thrust.
+    """
+    whole, at = setting.whole, list_whole_dof(setting)
+    standing = whole.mass[np.ix_(at[-2:], at[-2:])] - setting.cut.mass[-2:, -2:]
+    offset = standing[0, 1] / standing[0, 0] if standing[0, 0] > 0.0 else 0.0
+    thrust = np.zeros((len(whole.mass), 1))
+    thrust[at[-2:], 0] = [1.0, offset]
+    shape = respond_statically(whole, thrust)[at]
+    number = choose_sensor(setting.channels)
+    reading = see(setting.channels[number], shape, setting.strain)[0]
+    if abs(reading) <= 1e-12 * np.abs(shape).max():
+        raise Unable("THRUST_LEVER is blind: its sensor does not feel thrust")
+    length = setting.cut.heights[-1] - setting.cut.heights[0]
+    per_signal = np.zeros((1, len(setting.channels)))
+    per_signal[0, number] = 1.0 / reading
+    return Shapes(per_signal, shape, np.array([[-1.0], [-(length + offset)], [1.0], [offset]]))
 
 
 def choose_sensor(channels: tuple[Channel, ...]) -> int:
@@ -125,5 +114,5 @@ def choose_sensor(channels: tuple[Channel, ...]) -> int:
     )
 
 
-QUASI_STATIC = QuasiStatic()
-THRUST_LEVER = ThrustLever()
+QUASI_STATIC = Direct("QUASI_STATIC", prepare_shapes, SOIL)
+THRUST_LEVER = Direct("THRUST_LEVER", prepare_lever)
