@@ -139,7 +139,7 @@ def test_stiffness_of_the_soil_is_that_of_the_diagram():
         ({"soil": {"layers": [{"bottom": 5.0, "friction_angle": 20.0}]}}, "28"),
         ({"points": [{"name": "top", "height": 101.0, "mass": 1.0}]}, "height 101 m"),
         ({"points": [{"name": "top", "height": 9.0, "mass": 1e30}]}, "points[0].mass: 1e+30"),
-        ({"tubes": [{"top": 1e-4}]}, "tubes.tube: it is only 0.0001 m long; make it 0.001 m"),
+        ({"tubes": [{"top": 1e-4}]}, "top 0.0001 m must be above bottom 0 m, by 0.001 m or more"),
         ({"tubes": [{"diamter": [0.2, 0.2]}]}, "did you mean tubes[0].diameter?"),
         ({"name": "../mine"}, "structure.name: '../mine' cannot be part of a file's name"),
         ({"water": {}}, "structure.gravity: 0 m/s^2 leaves no waves on the structure's water"),

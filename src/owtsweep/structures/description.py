@@ -80,13 +80,9 @@ class Tube(Section):
     def check(self) -> None:
         where = f"structure.tubes.{self.name}"
         require(
-            self.top > self.bottom,
-            f"{where}: top {self.top:g} m must be above bottom {self.bottom:g} m",
-        )
-        require(
             self.top - self.bottom >= SHORTEST,
-            f"{where}: it is only {self.top - self.bottom:.3g} m long; make it {SHORTEST:g} m or "
-            "longer, or leave it out",
+            f"{where}: top {self.top:g} m must be above bottom {self.bottom:g} m, by {SHORTEST:g} "
+            "m or more",
         )
         ends = zip(self.diameter, self.thickness, ("bottom", "top"), strict=True)
         for diameter, thickness, end in ends:

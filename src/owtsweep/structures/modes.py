@@ -42,7 +42,7 @@ class Beam:
 
     stiffness, mass: Sparse matrices, shape (n, n).
     heights, deflections: Heights (m) of the nodes of w, upwards, and their degrees of freedom.
-    hub_slope: Degree of freedom of theta at the hub.
+    hub, hub_slope: Degrees of freedom of w and of theta at the hub, the highest node.
     free: Degrees of freedom that are not clamped.
     """
 
@@ -50,13 +50,9 @@ class Beam:
     mass: csc_matrix
     heights: Array
     deflections: NDArray[np.intp]
+    hub: int
     hub_slope: int
     free: NDArray[np.intp]
-
-    @property
-    def hub(self) -> int:
-        """The degree of freedom of the deflection of the hub, which is the highest node."""
-        return int(self.deflections[-1])
 
 
 def assemble(structure: Structure, blades: int = 0) -> Beam:
@@ -112,6 +108,7 @@ def assemble(structure: Structure, blades: int = 0) -> Beam:
         mass=(bmat([[M_ww, None], [None, M_tt]]) + bodies_mass).tocsc(),
         heights=heights,
         deflections=order,
+        hub=int(order[-1]),
         hub_slope=of_w.N + int(np.argmax(theta_heights)),
         free=free,
     )

@@ -86,16 +86,12 @@ class Fatigue(Section):
 
     def check(self) -> None:
         own = self.curve == "own"
-        require(
-            own or not self.branches,
-            f"fatigue.branches: {self.curve!r} has branches of its own; set fatigue.curve=own, or "
-            "leave out the branches",
-        )
-        require(
-            own or self.knee is None,
-            f"fatigue.knee: {self.curve!r} has a knee of its own; set fatigue.curve=own, or leave "
-            "out the knee",
-        )
+        for name, some in (("branches", "branches"), ("knee", "a knee")):
+            require(
+                own or not getattr(self, name),
+                f"fatigue.{name}: {self.curve!r} has {some} of its own; set fatigue.curve=own, or "
+                f"leave out the {name}",
+            )
         self.find_curves(np.zeros(1))
 
     def find_curves(self, heights: Array) -> list[SNCurve]:
