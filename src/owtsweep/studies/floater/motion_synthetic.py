@@ -40,9 +40,11 @@ def draw_motion(
     """
     frequency = find_frequencies(span.steps, span.step)
     freedoms, coupling = [motion.freedoms[name] for name in DOF], motion.surge_pitch
-    slow = _draw_lines(_describe_resonances(motion, frequency), coupling, draws, "resonance")
+    resonances = [each.resonance for each in freedoms]
+    answer = [respond(frequency, each.period, each.damping) for each in resonances]
+    slow = _draw_lines(np.column_stack(answer), coupling, draws, "resonance")
     fast = _draw_lines(_describe_waves(motion, frequency), coupling, draws, "waves")
-    lines = slow * [each.resonance.sigma for each in freedoms]
+    lines = slow * [each.sigma for each in resonances]
     lines += fast * [each.waves for each in freedoms]
     lines[:, 3:] *= np.pi / 180.0
     mean = np.array([each.mean for each in freedoms])
@@ -53,12 +55,6 @@ def draw_motion(
         lines[:, column] *= np.deg2rad(roll) / own
     series = sample(lines, *span)
     return series._replace(position=mean + series.position)
-
-
-def _describe_resonances(motion: MotionSection, frequency: Array) -> Array:
-    """Return spectral densities of the slow parts, up to a factor, shape (lines, 6)."""
-    resonances = [motion.freedoms[name].resonance for name in DOF]
-    return np.column_stack([respond(frequency, each.period, each.damping) for each in resonances])
 
 
 def _describe_waves(motion: MotionSection, frequency: Array) -> Array:

@@ -14,7 +14,9 @@ from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import INPUTS, Kind
 from owtsweep.studies.tower.measures import CRITERIA, QUIETEST
-from owtsweep.studies.tower.sight import LEAN, SHIFT, find_missed, observe, set_up
+from owtsweep.studies.tower.models import model_cut
+from owtsweep.studies.tower.schemes.filtered import observe
+from owtsweep.studies.tower.sight import LEAN, SHIFT, find_missed, set_up
 
 #: The axes of the grid.
 CONDITIONS = (
@@ -108,7 +110,7 @@ def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
 def describe_sight(config: TowerConfig) -> list[str]:
     """Say in a few lines what the set-up sees in each direction, and why it misses the rest."""
     setting = set_up(config)
-    seen = observe(setting)
+    seen = observe(model_cut(setting))
     missed = find_missed(setting, seen)
     kinds = {channel.kind for channel in setting.channels}
     lines = [

@@ -21,7 +21,7 @@ from owtsweep.structures.reduction import Reduced, reduce_free
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Priors, Setting
 from owtsweep.studies.tower.models import list_interfaces
-from owtsweep.studies.tower.truth import Motion, find_damping
+from owtsweep.studies.tower.truth import Motion, damp_whole, find_damping
 from owtsweep.studies.tower.tuning import Tuning
 from owtsweep.studies.tower.waves import triangular_load
 
@@ -130,12 +130,8 @@ def make_setting(
     numbers hold.
     """
     whole = part.assemble_whole(direction, soil_factor)
-    first, size = whole.find_node(part.cut.heights[0]), len(part.cut.mass)
-    inside = slice(2 * first, 2 * first + size)
-    damping = np.zeros_like(whole.mass)
-    damping[inside, inside] = part.damping
     damper = config.wind.damping if direction == DIRECTIONS[0] else config.wind.side_damping
-    damping[-2, -2] += damper * config.model.damping
+    inside, damping = damp_whole(whole, part.cut, part.damping, damper * config.model.damping)
     return Setting(
         direction=direction,
         cut=part.cut,
@@ -143,7 +139,7 @@ def make_setting(
         reduced=part.reduced,
         whole=whole,
         whole_damping=damping,
-        nodes=np.asarray(first + np.arange(size // 2)),
+        nodes=inside[::2] // 2,
         wave_shape=part.wave_shape,
         strain=part.strain,
         channels=tuple(channels),

@@ -15,15 +15,14 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
-from owtsweep.estimation.augmented import augment
-from owtsweep.estimation.observability import Observability, find_unobservable
+from owtsweep.estimation.observability import Observability
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting
 from owtsweep.studies.tower.measuring import list_places
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.schemes.filtered import tell_blindness
+from owtsweep.studies.tower.schemes.filtered import observe, tell_blindness
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 #: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
@@ -63,7 +62,7 @@ def _require_sight(config: TowerConfig) -> None:
             reasons.append(str(reason))
         else:
             return
-    loads = [name for name in INPUTS if name in find_missed(setting, observe(setting))]
+    loads = [name for name in INPUTS if name in find_missed(setting, observe(model_cut(setting)))]
     text = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
     raise InputError(
         f"sensors: no scheme can work with the set-up {config.sensors.name}: {text}; "
@@ -76,11 +75,6 @@ def set_up(config: TowerConfig) -> Setting:
     part, places = model_substructure(config), list_places(config.sensors, config.nodes)
     channels = [Channel(place.kind, place.node, NOMINAL[place.kind]) for place in places]
     return make_setting(config, part, DIRECTIONS[0], 1.0, channels, None)
-
-
-def observe(setting: Setting) -> Observability:
-    discrete = model_cut(setting).discrete
-    return find_unobservable(*augment(discrete, np.eye(discrete.B.shape[1])))
 
 
 def _name_states(setting: Setting) -> list[str]:
@@ -101,7 +95,7 @@ def find_missed(setting: Setting, seen: Observability) -> set[str]:
 
 
 def _count_unseen(setting: Setting) -> int:
-    seen = observe(setting)
+    seen = observe(model_cut(setting))
     return seen.states - seen.rank
 
 

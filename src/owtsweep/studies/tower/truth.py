@@ -79,6 +79,20 @@ def find_damping(structure: Structure, beam: PlaneBeam) -> Array:
     return np.asarray(2.0 * structure.damping / np.sqrt(square) * beam.stiffness)
 
 
+def damp_whole(whole: PlaneBeam, cut: PlaneBeam, own: Array, damper: float) -> tuple[Array, Array]:
+    """Return the degrees of freedom of the whole at the cut's, and the whole's damping matrix.
+
+    `own` is the damping matrix of `cut`, which is a part of `whole`; at the top is a `damper`, in
+    N s/m. The shapes are (dof of the cut,) and (dof, dof).
+    """
+    first = 2 * whole.find_node(cut.heights[0])
+    inside = np.arange(first, first + len(cut.mass))
+    damping = np.zeros_like(whole.mass)
+    damping[np.ix_(inside, inside)] = own
+    damping[-2, -2] += damper
+    return inside, damping
+
+
 def _simulate(
     config: TowerConfig, side: bool, top: Array, waves: WaveLoads | None, share: float, lead: int
 ) -> Motion:
@@ -90,13 +104,10 @@ def _simulate(
     whole = assemble_whole(structure, side=side, **vars(truth))
     cut = assemble_cut(structure, *config.heights, **vars(truth))
     size = len(whole.mass)
-    first = 2 * whole.find_node(cut.heights[0])
-    inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole
     weightless = assemble_cut(structure, *config.heights, subdivision=truth.subdivision)
     own_damping = find_damping(structure, weightless)
-    damping = np.zeros((size, size))
-    damping[np.ix_(inside, inside)] = own_damping
-    damping[-2, -2] += config.wind.side_damping if side else config.wind.damping
+    damper = config.wind.side_damping if side else config.wind.damping
+    inside, damping = damp_whole(whole, cut, own_damping, damper)
     unit = np.eye(size)
     loads, series = unit[:, -2:], top
     if waves is not None:

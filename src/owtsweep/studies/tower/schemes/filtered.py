@@ -17,7 +17,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.input_state import Filter
 from owtsweep.estimation.lagged import Lagged
-from owtsweep.estimation.observability import find_unobservable
+from owtsweep.estimation.observability import Observability, find_unobservable
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import WAVE, Model
@@ -111,16 +111,20 @@ def find_noise(setting: Setting, model: Model) -> Noise:
     )
 
 
+def observe(model: Model) -> Observability:
+    """Return what sensors see of a model's states and inputs, which may be anything (Eq. 22)."""
+    return find_unobservable(*augment(model.discrete, np.eye(len(model.inputs))))
+
+
 def tell_blindness(setting: Setting, model: Model) -> str:
     """Say how many directions of state and input that bend the structure sensors do not see.
 
-    Inputs may be anything here, as walks may (Eq. 22). Directions that bend nothing may stay
+    Directions that bend nothing may stay
     unseen: with inclinometers and accelerometers, position and velocity of the rigid translation
     drift. The sentence has the rank by the test of Popov, Belevitch and Hautus; it is "" if all
     that bends is seen.
     """
-    walks = np.eye(len(model.inputs))
-    observed = find_unobservable(*augment(model.discrete, walks))
+    observed = observe(model)
     bending = setting.strain @ model.basis
     size = np.linalg.norm(bending, axis=0).max()
     bent = 0
