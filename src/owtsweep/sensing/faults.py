@@ -1,4 +1,4 @@
-"""Draws which samples of a sensor are lost, and which are outliers; one by one, or in bursts."""
+"""Draws which samples of a sensor are lost, and which are outliers; holds the last that came."""
 
 from __future__ import annotations
 
@@ -32,6 +32,18 @@ def _find_bursts(
     sample = np.arange(len(begins))
     last = np.maximum.accumulate(np.where(begins, sample, -length))
     return sample - last < length, np.maximum(last, 0)
+
+
+def hold_last(values: Array, given: Array | float) -> Array:
+    """Return a sensor's samples (steps, ...) in which those with a NaN are the ones before.
+
+    `given` stands before the first one.
+    """
+    lost = np.isnan(values).reshape(len(values), -1).any(axis=1)
+    last = np.maximum.accumulate(np.where(lost, -1, np.arange(len(values))))
+    held = values[np.maximum(last, 0)]
+    held[last < 0] = given
+    return held
 
 
 def draw_outliers(

@@ -81,7 +81,7 @@ class Setting(Knowledge):
         body-fixed sensors the last three accelerations are not measured; their entries are the
         standard deviation of the angular acceleration itself.
     bias_sigma, bias_walk: Assumed standard deviation of the bias of each acceleration, and change
-        of that bias per root of a second, shape (6,).
+        of that bias per root of a second, shape (6,); 0 where no acceleration is measured.
     delay: Assumed age of a report in s.
     motion_sigma: Standard deviations of position, velocity and acceleration, shape (3, 6): what a
         user knows of the sea state.

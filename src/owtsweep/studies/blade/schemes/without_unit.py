@@ -13,8 +13,8 @@ from functools import partial
 
 import numpy as np
 
-from owtsweep.arrays import Array
 from owtsweep.estimation.wahba import carry_point, find_pose
+from owtsweep.sensing.faults import hold_last
 from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.blade.contract import PRISMS, ROOT, Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import require_antennas
@@ -31,15 +31,6 @@ def hold(setting: Setting, measured: Measured) -> Estimates:
         root_velocity=np.zeros_like(fix),
         rotation=np.broadcast_to(rotation, (len(fix), 3, 3)),
     )
-
-
-def hold_last(values: Array, given: Array) -> Array:
-    """Return values (steps, ...) in which NaN are those before; `given` before the first one."""
-    lost = np.isnan(values).reshape(len(values), -1).any(axis=1)
-    last = np.maximum.accumulate(np.where(lost, -1, np.arange(len(values))))
-    held = values[np.maximum(last, 0)].copy()
-    held[last < 0] = given
-    return held
 
 
 def solve_antennas(setting: Setting, measured: Measured) -> Estimates:

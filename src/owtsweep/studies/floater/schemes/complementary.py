@@ -32,18 +32,16 @@ class Complementary:
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        position, acceleration, rate = read_inputs(self.setting, measured)
+        position, _, acceleration, rate, step = read_inputs(self.setting, measured)
         found = np.empty((*position.shape, 2))
         start = find_start(position)[:, 0]
         for i, w in enumerate(self.crossover):
             if self.setting.body and i in ANGLES:
-                gain = 1.0 - np.exp(-w * measured.step)
-                blend_rate(position[i], rate[i], measured.step, gain, start[i], found[i])
+                gain = 1.0 - np.exp(-w * step)
+                blend_rate(position[i], rate[i], step, gain, start[i], found[i])
             else:
-                gains = place_poles(w, measured.step)
-                blend_acceleration(
-                    position[i], acceleration[i], measured.step, gains, start[i], found[i]
-                )
+                gains = place_poles(w, step)
+                blend_acceleration(position[i], acceleration[i], step, gains, start[i], found[i])
         return Estimates(*part_columns(found))
 
 

@@ -16,7 +16,7 @@ from owtsweep.estimation.inertial.strapdown import STATES
 from owtsweep.estimation.kinematic_filter import snap
 from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes.linear import find_age, find_bias, keep_reports
+from owtsweep.studies.floater.schemes.linear import find_age, keep_reports
 
 
 def navigate(setting: Setting, measured: Measured) -> Estimates:
@@ -24,12 +24,11 @@ def navigate(setting: Setting, measured: Measured) -> Estimates:
     steps = len(measured.position)
     reported = np.ascontiguousarray(keep_reports(setting, measured))
     shown = snap(np.arange(steps) - find_age(setting, measured) / measured.step)
-    bias, walk = find_bias(setting)
     noise = np.stack(
         [
             setting.acceleration_sigma[:3] ** 2 * measured.step,
             setting.acceleration_sigma[3:] ** 2 * measured.step,
-            walk[:3] ** 2,
+            setting.bias_walk[:3] ** 2,
         ]
     )
     found = (
@@ -45,12 +44,12 @@ def navigate(setting: Setting, measured: Measured) -> Estimates:
         filter_body(
             reported, shown, measured.specific_force, measured.rate, measured.step, noise,
             (setting.position_sigma**2, setting.rate_sigma**2), first,
-            _begin(setting, reported[first], bias), found,
+            _begin(setting, reported[first]), found,
         )  # fmt: skip
     return Estimates(*found)
 
 
-def _begin(setting: Setting, report: Array, bias: Array) -> tuple[Array, Array]:
+def _begin(setting: Setting, report: Array) -> tuple[Array, Array]:
     """Return state and covariance at the first report, at rest, without a bias."""
     state = np.zeros(STATES)
     state[:3] = report[:3]
@@ -58,7 +57,7 @@ def _begin(setting: Setting, report: Array, bias: Array) -> tuple[Array, Array]:
     sigma = np.concatenate(
         [
             setting.position_sigma[:3], setting.motion_sigma[1, :3],
-            setting.position_sigma[3:], bias[:3], setting.motion_sigma[1, 3:],
+            setting.position_sigma[3:], setting.bias_sigma[:3], setting.motion_sigma[1, 3:],
         ]
     )  # fmt: skip
     return state, np.diag(sigma**2)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from owtsweep.estimation.inertial.angles import find_angle_rates, make_rotation
 from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, smooth_all, snap
 from owtsweep.gravity import GRAVITY
+from owtsweep.sensing.faults import hold_last
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 
 #: The degrees of freedom whose rates are measured: the angles (Eq. 5, matrix C).
@@ -44,12 +45,9 @@ class Linear:
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
         setting = self.setting
-        steps = len(measured.position)
-        age = find_age(setting, measured) if self.delay else np.zeros(steps)
-        shown = snap(np.arange(steps) - age / measured.step)
-        position, acceleration, rate = read_inputs(setting, measured)
-        record = Record(position, shown, acceleration, rate, measured.step)
-        bias, walk = find_bias(setting) if self.bias else (np.zeros(6), np.zeros(6))
+        age = find_age(setting, measured) if self.delay else 0.0
+        record = read_inputs(setting, measured, age)
+        bias, walk = self.bias * setting.bias_sigma, self.bias * setting.bias_walk
         noises = make_noises(setting, walk)
         prior = np.column_stack([*setting.motion_sigma[:2], bias])
         if not self.lagged:
@@ -93,21 +91,8 @@ def find_age(setting: Setting, measured: Measured) -> Array:
     return np.full(len(measured.age), setting.delay)
 
 
-class Inputs(NamedTuple):
-    """What a scheme takes of a record, one degree of freedom per row.
-
-    `position`: reported positions, shape (6, steps), NaN where the scheme uses no report.
-    `acceleration`: in the basin's frame, shape (6, steps). `rate`: for each degree of freedom its
-    measured rate (steps,), or an empty array.
-    """
-
-    position: Array
-    acceleration: Array
-    rate: list[Array]
-
-
-def read_inputs(setting: Setting, measured: Measured) -> Inputs:
-    """Return what a scheme takes of a record.
+def read_inputs(setting: Setting, measured: Measured, age: Array | float = 0.0) -> Record:
+    """Return what a scheme takes of a record whose reports have an `age` in s, (steps,) or one.
 
     Body-fixed sensors measure no accelerations of angles: these are 0 (section 2.2). What they
     measure is turned by the last reported attitude (section 3.2), or counts as that of the basin's
@@ -116,27 +101,19 @@ def read_inputs(setting: Setting, measured: Measured) -> Inputs:
     reported = keep_reports(setting, measured)
     acceleration, rate = measured.acceleration, measured.rate
     if measured.specific_force is not None:
-        how, angles = setting.tuning.attitude, hold(reported)[:, 3:]
+        how, angles = setting.tuning.attitude, hold_last(reported, 0.0)[:, 3:]
         acceleration = np.zeros(reported.shape)
         acceleration[:, :3] = level(measured.specific_force, angles, how)
         if how == "reported":
             rate = find_angle_rates(angles, rate)
     assert acceleration is not None
-    return Inputs(
+    return Record(
         np.ascontiguousarray(reported.T),
+        snap(np.arange(len(reported)) - age / measured.step),
         np.ascontiguousarray(acceleration.T),
         [_NONE] * 3 + [np.ascontiguousarray(column) for column in rate.T],
+        measured.step,
     )
-
-
-def hold(reported: Array) -> Array:
-    """Return the last report of each sample, shape (steps, columns); zeros before the first.
-
-    A sample with a NaN has no report.
-    """
-    there = np.isfinite(reported).all(axis=1)
-    last = np.maximum.accumulate(np.where(there, np.arange(len(reported)), -1))
-    return np.where(last[:, None] >= 0, reported[last], 0.0)
 
 
 def level(force: Array, angles: Array, how: Literal["level", "small", "reported"]) -> Array:
@@ -155,17 +132,6 @@ def level(force: Array, angles: Array, how: Literal["level", "small", "reported"
         found = np.einsum("nij,nj->ni", make_rotation(angles), found)
     found[:, 2] += GRAVITY
     return found
-
-
-def find_bias(setting: Setting) -> tuple[Array, Array]:
-    """Return the standard deviation of the biases and their change per root of a second, (6,) each.
-
-    Where no acceleration is measured, there is none.
-    """
-    measured = np.ones(6)
-    if setting.body:
-        measured[3:] = 0.0
-    return setting.bias_sigma * measured, setting.bias_walk * measured
 
 
 def make_noises(setting: Setting, walk: Array) -> list[Noise]:

@@ -21,9 +21,10 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
+from owtsweep.sensing.faults import hold_last
 from owtsweep.studies.base.contract import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes.linear import hold, keep_reports
+from owtsweep.studies.floater.schemes.linear import keep_reports
 from owtsweep.studies.floater.schemes.printed import find_start
 
 #: The cut-off of LOWPASS is at most this part of the sampling frequency: a digital filter ends at
@@ -42,7 +43,7 @@ def smooth(setting: Setting, measured: Measured) -> Estimates:
     from scipy.signal import butter, lfilter, lfilter_zi
 
     step = measured.step
-    reported = hold(keep_reports(setting, measured))
+    reported = hold_last(keep_reports(setting, measured), 0.0)
     position = np.empty_like(reported)
     best = balance_lag_and_noise(setting) / (2.0 * np.pi)
     for column, cutoff in enumerate(np.minimum(setting.tuning.cutoff * best, MOST / step)):

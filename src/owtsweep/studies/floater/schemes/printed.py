@@ -43,14 +43,14 @@ class SteadyPredictor:
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        position, acceleration, rate = read_inputs(self.setting, measured)
+        position, _, acceleration, rate, step = read_inputs(self.setting, measured)
         estimate = np.empty((*position.shape, 2))
         nis = np.empty(position.shape)
         variance = self.covariance[:, 0, 0] + self.setting.position_sigma**2
         for i, start in enumerate(begin(self.setting, position)[0]):
             predict_steady(
-                position[i], acceleration[i], rate[i], measured.step, self.gain[i], variance[i],
-                start, (estimate[i], nis[i]),
+                position[i], acceleration[i], rate[i], step, self.gain[i], variance[i], start,
+                (estimate[i], nis[i]),
             )  # fmt: skip
         predict_ahead(self.setting, estimate, acceleration)
         return Estimates(*part_columns(estimate), self.covariance[None], nis.T)
@@ -75,7 +75,7 @@ def prepare_steady(setting: Setting) -> SteadyPredictor:
 
 def predict_all(setting: Setting, measured: Measured) -> Estimates:
     """Predict with gains that vary from sample to sample."""
-    position, acceleration, rate = read_inputs(setting, measured)
+    position, _, acceleration, rate, step = read_inputs(setting, measured)
     factor = np.where(np.all(position == 0.0, axis=0), LOSS, 1.0)
     estimate, nis = np.empty((*position.shape, 2)), np.empty(position.shape)
     covariance = np.empty((*position.shape, 2, 2))
@@ -83,8 +83,8 @@ def predict_all(setting: Setting, measured: Measured) -> Estimates:
     for i, Q in enumerate(process_noise(setting)):
         R = output_noise(setting, i)
         predict_varying(
-            position[i], acceleration[i], rate[i], measured.step, Q, np.resize(R, 2), factor,
-            start[i], before[i], (estimate[i], covariance[i], nis[i]),
+            position[i], acceleration[i], rate[i], step, Q, np.resize(R, 2), factor, start[i],
+            before[i], (estimate[i], covariance[i], nis[i]),
         )  # fmt: skip
     predict_ahead(setting, estimate, acceleration)
     return Estimates(*part_columns(estimate), covariance.transpose(1, 0, 2, 3), nis.T)
