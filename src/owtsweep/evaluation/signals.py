@@ -12,6 +12,9 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 
+#: Longest lag that is looked for, s, and as a part of the record.
+LONGEST, PART = 5.0, 0.2
+
 
 def compute_trac(truth: Array, estimate: Array, *, centred: bool = False) -> Array:
     """Compute the time response assurance criterion (Eq. 27), from 0 to 1.
@@ -72,19 +75,27 @@ def scatter(truth: Array, estimate: Array) -> Array:
 
 
 def find_lag(
-    truth: Array, estimate: Array, step: float, longest: float = 5.0, *, nearest: bool = False
+    truth: Array,
+    estimate: Array,
+    step: float,
+    longest: float | None = None,
+    *,
+    nearest: bool = False,
 ) -> Array:
     """Find by how much an estimate comes late, in s; negative if it runs ahead of the truth.
 
     The lag is where the correlation coefficient of the truth and the shifted estimate, over the
     samples that both have, is largest; a parabola through three coefficients finds parts of a
     sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
-    period is known but for whole periods; make `longest` (s) shorter than half a period then. A
-    result of +-`longest` means that the lag is that long or longer; NaN means a constant signal.
+    period is known but for whole periods; make `longest` (s) shorter than half a period then; None
+    is 5 s, or a fifth of the record if that is less. A result of +-`longest` means that the lag is
+    that long or longer; NaN means a constant signal.
     With `nearest`, the lag is at the first maximum on the way from no lag. Raise `InputError` if
     `longest` is shorter than a sampling interval, or not below half the record.
     """
-    steps, most = len(truth), round(longest / step)
+    steps = len(truth)
+    longest = min(LONGEST, PART * steps * step) if longest is None else longest
+    most = round(longest / step)
     require(
         1 <= most < steps / 2,
         f"longest: {longest:g} s must be from one sampling interval ({step:g} s) to less than half "

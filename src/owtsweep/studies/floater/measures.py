@@ -47,8 +47,6 @@ OTHERS = {
 _ENDS = ("", *(f"_{dof}" for dof in DOF))
 #: All measures in the order of tables.
 MEASURES = (*CRITERIA, WAIT, *(f"{name}{end}" for name in OTHERS for end in _ENDS))
-#: Longest lag that is looked for, s, and as a part of the judged samples.
-LONGEST_LAG, LONGEST_PART = 5.0, 0.2
 #: In relative errors, a position counts as this part of its rms at least.
 FLOOR = 0.1
 
@@ -82,8 +80,8 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
         "rms_over_p": np.sqrt(divide(square, variance)),
         "nees": nees,
         "nis": _average_nis(estimates, settled),
-        "lag_position": _find_lag(true, position, truth.step),
-        "lag_velocity": _find_lag(true_velocity, velocity, truth.step),
+        "lag_position": 1e3 * find_lag(true, position, truth.step, nearest=True),
+        "lag_velocity": 1e3 * find_lag(true_velocity, velocity, truth.step, nearest=True),
         "relative": _find_relative(true, error),
     }
     found = {
@@ -99,12 +97,6 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
     if estimates.latency > 0.0:
         found[WAIT] = estimates.latency
     return {name: value for name, value in found.items() if not np.isnan(value)}
-
-
-def _find_lag(truth: Array, estimate: Array, step: float) -> Array:
-    """Return lags in ms, shape (6,), NaN where a signal is constant."""
-    longest = max(1, round(min(LONGEST_LAG / step, LONGEST_PART * len(truth))))
-    return 1000.0 * find_lag(truth, estimate, step, longest * step, nearest=True)
 
 
 def _find_relative(truth: Array, error: Array) -> Array:

@@ -50,8 +50,6 @@ COUNTS = 0.01
 EXPONENT, CYCLE_RATE = 4.0, 1.0
 #: |log2| of a damage ratio is at most this: zero and infinite damage must not spoil means.
 MOST_DOUBLINGS = 60.0
-#: Longest lag that is looked for, s.
-LONGEST_LAG = 5.0
 #: Kind of a sensor -> the measure that holds its smallest noise.
 QUIETEST: dict[Kind, str] = {"theta": "noise_theta", "a": "noise_a"}
 
@@ -150,7 +148,6 @@ def _compare_signals(
     true = np.column_stack([true_moved[:, columns], true_loads])
     estimate = np.column_stack([moved[:, columns], loads])
     mae = compute_mae(true, estimate)
-    longest = min(LONGEST_LAG, 0.2 * len(true) / rate)
     values = {
         "trac": compute_trac(true, estimate),
         "trac_centred": compute_trac(true, estimate, centred=True),
@@ -163,7 +160,7 @@ def _compare_signals(
         for measure, each in values.items()
         for name, value in zip([*names, *INPUTS], each, strict=True)
     }
-    lags = find_lag(true_loads, loads, 1.0 / rate, longest)
+    lags = find_lag(true_loads, loads, 1.0 / rate)
     return found | {f"lag_{name}": lag for name, lag in zip(INPUTS, lags, strict=True)}
 
 
