@@ -43,6 +43,7 @@ from owtsweep.studies.tower.placement import (
 )
 from owtsweep.studies.tower.placement_case import make_case
 from owtsweep.studies.tower.schemes import SCHEMES
+from owtsweep.studies.tower.truth import Motion, make_truth
 
 SET_UP = ("sensors=accelerometers", "grid.noise=[1]", "record.duration=400")
 TABLE_2 = (0.0, 30.0, 58.0, 149.0, 175.0)
@@ -70,8 +71,10 @@ def tabulate(
     ]  # fmt: skip
 
 
-def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[float, float]:
-    """Run the AKF on the records with some of the candidates; return its real errors.
+def simulate(
+    case: PlacementCase, motions: Sequence[Motion], chosen: Sequence[int], first: int
+) -> tuple[float, float]:
+    """Run the AKF on records of true motions with some of the candidates; return its real errors.
 
     `first` is the number of the first sample that is judged. The errors are root mean squares of
     the stress at the worst weld and of M0, each over its scale and averaged over the records.
@@ -89,7 +92,7 @@ def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[fl
     names = [f"{kind}_{node}" for kind, node, _ in places]
     faults = Faults()
     errors = []
-    for number, motion in enumerate(case.motions):
+    for number, motion in enumerate(motions):
         signals = take_signals(motion, setting.strain, places, faults)
         draw = partial(stream, 0, "tower", [], number)
         guess = prepared.run(add_errors(signals, sigma, faults, draw, names, setting.step))
@@ -105,7 +108,8 @@ def main(arguments: list[str]) -> int:
     folder = Path(arguments[0] if arguments else "results/tower_placement")
     try:
         config = compose(["study=tower", *SET_UP, *arguments[1:]])
-        case = make_case(config, records=RECORDS)
+        case = make_case(config)
+        motions = [make_truth(config, number)["fa"] for number in range(RECORDS)]
     except InputError as error:
         print(f"placement: {error}", file=sys.stderr)
         return 2
@@ -129,7 +133,7 @@ def main(arguments: list[str]) -> int:
     checked = []
     for chosen in dict.fromkeys(sets):
         said = predict(problem, chosen)
-        stress, moment = simulate(case, chosen, config.record.settled)
+        stress, moment = simulate(case, motions, chosen, config.record.settled)
         checked.append({
             "heights": " ".join(f"{height:g}" for height in said.heights),
             "stress_predicted": said.stress, "stress_simulated": stress,

@@ -154,5 +154,5 @@ def test_one_element_is_no_substructure(structure):
 
 
 def test_a_height_without_a_node_names_the_nearest(cut):
-    with pytest.raises(InputError, match=r"sensors.x: no node .* at 1 m .* nearest is at 0 m"):
+    with pytest.raises(InputError, match=r"sensors.x: no node .* 1 m .* nearest are at 0, "):
         cut.find_node(1.0, "sensors.x")

@@ -28,6 +28,8 @@ from owtsweep.structures.sections import Sections, list_bodies
 ORDER = 10
 #: Largest distance from a node that counts as none, m.
 NEAR = 1e-6
+#: Nodes of which an error tells where no node is.
+NEAREST = 5
 
 
 @dataclass(frozen=True)
@@ -49,13 +51,7 @@ class PlaneBeam:
 
         Raise `InputError` if no node is there. The message begins with `what`.
         """
-        node = int(np.argmin(np.abs(self.heights - height)))
-        require(
-            abs(self.heights[node] - height) <= NEAR,
-            f"{what}: no node of the mesh is at {height:g} m above mean sea level; the nearest is "
-            f"at {self.heights[node]:g} m",
-        )
-        return node
+        return find_node(self.heights, height, what, "mean sea level")
 
     def interpolate(self, height: Array) -> Array:
         """Return H with w(height) = H u, by the elements' shape functions.
@@ -77,6 +73,20 @@ class PlaneBeam:
         for place, shape in enumerate(shapes):
             result[np.arange(len(height)), 2 * low + place] = shape
         return result
+
+
+def find_node(nodes: Array, height: float, what: str, datum: str = "the ground") -> int:
+    """Return which of the nodes is at a height; both are in m above a datum, as `datum` says.
+
+    Raise `InputError` if no node is there. The message begins with `what`.
+    """
+    nearest = np.argsort(np.abs(nodes - height), kind="stable")[:NEAREST]
+    require(
+        abs(nodes[nearest[0]] - height) <= NEAR,
+        f"{what}: no node of the mesh is {height:g} m above {datum}; the nearest are at "
+        f"{', '.join(f'{z:g}' for z in nodes[nearest])} m",
+    )
+    return int(nearest[0])
 
 
 def assemble_cut(

@@ -52,10 +52,8 @@ class SNCurve:
         stress = ranges / MPA
         with np.errstate(over="ignore"):  # to infinity, if a scheme's estimate runs away
             first = 10.0 ** -self.log_a[0] * stress ** self.m[0]
-            if len(self.m) == 1:
-                return np.asarray(first)
-            second = 10.0 ** -self.log_a[1] * stress ** self.m[1]
-        return np.asarray(np.where(ranges >= self.knee_range, first, second))
+            last = 10.0 ** -self.log_a[-1] * stress ** self.m[-1]
+        return np.asarray(np.where(ranges >= self.knee_range, first, last))
 
 
 class Branch(Section):
@@ -101,8 +99,8 @@ class Fatigue(Section):
         """
         if self.curve == "own":
             return [make_curve(self.branches, self.knee)] * len(heights)
-        wet = heights < 0.0 if self.environment == "height" else np.zeros(len(heights), dtype=bool)
-        wet |= self.environment == "seawater"
+        height, seawater = self.environment == "height", self.environment == "seawater"
+        wet = seawater | (height & (heights < 0.0))
         return [find_curve(self.curve, "seawater" if below else "air") for below in wet]
 
 

@@ -60,7 +60,7 @@ def choose_among(setting: Setting, candidates: list[Channel]) -> Problem:
     """Return the problem with errors in MPa and MN m."""
     case = PlacementCase(
         setting, tuple(candidates), STRESS, CUT.heights - CUT.heights[0], np.full(NODES, 1e6), 1e6,
-        motions=(), ground=CUT.heights[0], wave=False,
+        ground=CUT.heights[0], wave=False,
     )  # fmt: skip
     return pose(case)
 

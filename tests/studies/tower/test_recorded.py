@@ -131,7 +131,7 @@ def test_bad_columns_are_told_in_one_line(tmp_path):
 
 def test_places_must_be_nodes_and_cuts(tmp_path):
     file = write(tmp_path / "r.csv", time=TIME, a_13=TIME)
-    with pytest.raises(InputError, match=r"column a_13: no node .* at 13 m .* nearest is at 12 m"):
+    with pytest.raises(InputError, match=r"column a_13: no node .* 13 m .* nearest are at 12, "):
         make_motions(read(file), CUT)
     file = write(tmp_path / "r.csv", time=TIME, F_12=TIME)
     with pytest.raises(InputError, match=r"column F_12: at 12 m is no cut; .* 0 and 24 m"):

@@ -8,12 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
 from owtsweep.gravity import GRAVITY
 from owtsweep.sensing.faults import draw_losses
 from owtsweep.sensing.noise import WienerBias
 from owtsweep.streams import Streams
-from owtsweep.structures.bernoulli import NEAR
+from owtsweep.structures.bernoulli import find_node
 from owtsweep.studies.tower.contract import Kind
 from owtsweep.studies.tower.sections import KINDS, Faults, Sensors
 from owtsweep.studies.tower.truth import Motion
@@ -45,17 +44,6 @@ def list_places(sensors: Sensors, nodes: Array) -> list[Place]:
         Place("x", find_node(nodes, height, "sensors.gnss"), gnss=True) for height in sensors.gnss
     ]
     return places
-
-
-def find_node(nodes: Array, height: float, what: str) -> int:
-    """Return the node at a height above the ground; raise `InputError` if there is none."""
-    near = abs(nodes - height) <= NEAR
-    require(
-        bool(near.any()),
-        f"{what}: no node of the mesh is {height:g} m above the ground; take one of "
-        f"{', '.join(f'{z:g}' for z in nodes)}",
-    )
-    return int(near.argmax())
 
 
 def take_signals(motion: Motion, strain: Array, places: Sequence[Place], faults: Faults) -> Array:

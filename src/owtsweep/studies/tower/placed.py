@@ -153,29 +153,26 @@ class PlacedSensors:
         return table
 
     def _tell_origin(self) -> list[str]:
-        config, case = self.config, self.case
-        thrust = config.wind.thrust
-        lines = [f"Truth: {describe_truth(config)}, fore-aft."]
-        if config.wind.file is None:
-            lines[0] += (
-                f" The rotor's thrust is {thrust.mean / 1e6:.3g} MN with a standard deviation of "
-                f"{thrust.sigma / 1e6:.3g} MN (the defaults of wind.* are a 15 MW turbine's)."
-            )
-        sigma = [1e6 * channel.sigma for channel in case.candidates]
-        lines.append(
-            f"Noise: {config.grid.noise[0]:g} % of each signal's standard deviation, per sample at "
-            f"{config.record.rate:g} Hz: {min(sigma):.3g} to {max(sigma):.3g} microrad for "
-            "inclinometers. It is white, and independent from sensor to sensor, so neighbours "
-            "average it."
+        config, thrust = self.config, self.config.wind.thrust
+        rotor = (
+            f" The rotor's thrust is {thrust.mean / 1e6:.3g} MN with a standard deviation of "
+            f"{thrust.sigma / 1e6:.3g} MN (the defaults of wind.* are a 15 MW turbine's)."
         )
+        sigma = [1e6 * channel.sigma for channel in self.case.candidates]
         there = [f"{KIND_NAMES[k]} at {_list(z)} m" for k, z in self.case.list_there().items()]
         chosen = " (spread over the height, as no sensors are named)" if self.spread else ""
-        lines.append(f"There already: {'; '.join(there)}{chosen}.")
         loads = "the truth's own steps"
         if config.filters.inputs == "declared":
             loads = "declared steps; tuning=matched takes the truth's"
-        lines.append(f"Tuning {config.tuning_name}: loads are random walks with {loads}.")
-        return lines
+        return [
+            f"Truth: {describe_truth(config)}, fore-aft.{'' if config.wind.file else rotor}",
+            f"Noise: {config.grid.noise[0]:g} % of each signal's standard deviation, per sample at "
+            f"{config.record.rate:g} Hz: {min(sigma):.3g} to {max(sigma):.3g} microrad for "
+            "inclinometers. It is white, and independent from sensor to sensor, so neighbours "
+            "average it.",
+            f"There already: {'; '.join(there)}{chosen}.",
+            f"Tuning {config.tuning_name}: loads are random walks with {loads}.",
+        ]
 
     def _tell_limits(self, enough: int) -> list[str]:
         name = "AKF_WAVE" if self.case.wave else "AKF"

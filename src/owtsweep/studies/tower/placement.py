@@ -32,7 +32,6 @@ from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.contract import Channel, Kind, Setting
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes.filtered import find_noise
-from owtsweep.studies.tower.truth import Motion
 
 #: The covariance has settled when doubling the number of steps changes variances by less than this.
 SETTLED = 1e-6
@@ -58,7 +57,6 @@ class PlacementCase:
         (welds, dof), and heights of these welds above ground in m, shape (welds,).
     stress_scale, moment_scale: Standard deviations of the true stress at these welds in Pa, shape
         (welds,), and of the true M0 in N m.
-    motions: the true motion of each record.
     ground: Height of the ground above mean sea level in m.
     wave: whether the wave load is a further unknown.
     """
@@ -69,7 +67,6 @@ class PlacementCase:
     welds: Array
     stress_scale: Array
     moment_scale: float
-    motions: tuple[Motion, ...]
     ground: float
     wave: bool
 

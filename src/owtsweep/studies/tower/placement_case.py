@@ -16,10 +16,10 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import require
 from owtsweep.structures import Structure
-from owtsweep.structures.bernoulli import assemble_cut, stress_matrix
+from owtsweep.structures.bernoulli import assemble_cut, find_node, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Kind
-from owtsweep.studies.tower.measuring import Place, find_node, list_places, take_signals
+from owtsweep.studies.tower.measuring import Place, list_places, take_signals
 from owtsweep.studies.tower.placement import PlacementCase
 from owtsweep.studies.tower.sections import KINDS, Faults
 from owtsweep.studies.tower.setting import make_setting, model_substructure
@@ -65,7 +65,6 @@ def make_case(
     *,
     inclinometers: Sequence[float] | None = None,
     spread: bool = False,
-    records: int = 1,
 ) -> PlacementCase:
     """Set up the choice of inclinometers fore-aft on the substructure between the cuts.
 
@@ -77,14 +76,13 @@ def make_case(
     inclinometers: Heights above ground in m to choose from; None: every node without an
         inclinometer.
     spread: Keep only `SPREAD` of the given accelerometers, evenly over the height.
-    records: Number of records to simulate. The first one gives the scales.
     """
     structure, part, first = config.structure, model_substructure(config), config.record.settled
-    motions = tuple(make_truth(config, number)[DIRECTIONS[0]] for number in range(records))
+    motion = make_truth(config, 0)[DIRECTIONS[0]]
 
     def measure_size(kind: Kind) -> Array:
         everywhere = [Place(kind, node) for node in range(len(part.cut.heights))]
-        signals = take_signals(motions[0], part.strain, everywhere, Faults())
+        signals = take_signals(motion, part.strain, everywhere, Faults())
         return np.asarray(signals[first:].std(axis=0))
 
     share, nodes = 0.01 * config.grid.noise[0], config.nodes
@@ -93,16 +91,15 @@ def make_case(
     there = [channel.node for channel in given if channel.kind == "theta"]
     offered = _list_offered(nodes, sizes["theta"], there, inclinometers)
     true_stress = stress_matrix(structure, assemble_cut(structure, *config.heights))
-    scale = (motions[0].displacement[first:] @ true_stress.T).std(axis=0)
+    scale = (motion.displacement[first:] @ true_stress.T).std(axis=0)
     judged = scale > IDLE * scale.max()
     return PlacementCase(
-        setting=make_setting(config, part, DIRECTIONS[0], 1.0, given, motions[0]),
+        setting=make_setting(config, part, DIRECTIONS[0], 1.0, given, motion),
         candidates=tuple(Channel("theta", n, share * float(sizes["theta"][n])) for n in offered),
         stress=part.stress[judged],
         welds=nodes[judged],
         stress_scale=scale[judged],
-        moment_scale=float(motions[0].inputs[first:, 1].std()),
-        motions=motions,
+        moment_scale=float(motion.inputs[first:, 1].std()),
         ground=structure.mudline,
         wave=config.waves.hs > 0.0,
     )
