@@ -106,5 +106,3 @@ def test_scale_of_inputs_changes_no_physical_response(setting):
         assert np.allclose(other.discrete.B, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
         assert np.allclose(other.discrete.J, 100.0 * one.discrete.J)
         assert np.allclose(other.loads_of_input, 100.0 * one.loads_of_input)
-    none = replace(setting, priors=replace(priors, step_sigma=0.0 * priors.step_sigma))
-    assert np.all(model_cut(none).scale == 1.0)

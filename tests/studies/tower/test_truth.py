@@ -7,6 +7,7 @@ from turbine import CALM, CUTS, ROUGH, STEP, STRUCTURE, WIND, make, streams
 
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
+from owtsweep.motion.lines import Span
 from owtsweep.structures.bernoulli import assemble_cut, strain_matrix
 from owtsweep.studies.tower.measuring import Place, add_errors, take_signals
 from owtsweep.studies.tower.sections import Faults
@@ -88,7 +89,7 @@ def test_wave_loads_do_their_work_on_rigid_motion():
     totals = []
     for subdivision in (1, 3):
         beam = assemble_cut(STRUCTURE, *CUTS, subdivision=subdivision)
-        waves = make_wave_loads(STRUCTURE, beam, ROUGH, streams(), steps=3000, step=0.1)
+        waves = make_wave_loads(STRUCTURE, beam, ROUGH, streams(), Span(3000, 0.1))
         shift, lean = np.zeros((2, len(beam.mass)))
         shift[0::2] = 1.0
         lean[0::2], lean[1::2] = beam.heights + 30.0, 1.0

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.linalg import eigh, expm
 from turbine import ROUGH, STEP, STRUCTURE, WIND, make, streams
 
+from owtsweep.motion.lines import Span
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.waves import make_wave_loads
 from owtsweep.studies.tower.wind import make_top_loads
@@ -73,7 +74,7 @@ def test_a_second_model_and_integration_give_the_same_truth():
     stiffness[:2, :2] += [[springs.lateral, springs.coupling], [springs.coupling, springs.rotation]]
     damping[-2, -2] += WIND.damping
     beam = PlaneBeam(heights, mass, own, np.arange(size))
-    waves = make_wave_loads(STRUCTURE, beam, ROUGH, streams(), steps=STEPS, step=STEP, lead=STEPS)
+    waves = make_wave_loads(STRUCTURE, beam, ROUGH, streams(), Span(STEPS, STEP, STEPS))
     of_waves = np.zeros((2 * STEPS, size))
     of_waves[:, waves.dof] = np.cos(np.deg2rad(ROUGH.yaw)) * waves.series
     loads = of_waves.copy()

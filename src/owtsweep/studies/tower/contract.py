@@ -45,7 +45,8 @@ class Priors:
 
     Forces are in N, moments in N m, the wave load q (at sea level) in N/m.
 
-    step_sigma: Standard deviation of the change from sample to sample (a random walk's S, Eq. 24).
+    step_sigma: Standard deviation of the change from sample to sample (a random walk's S, Eq. 24),
+        above zero.
     sigma: Standard deviation about zero, mean included.
     length: Correlation time in s (of latent forces).
     """

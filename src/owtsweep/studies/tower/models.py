@@ -8,8 +8,9 @@ coordinates z of a reduced beam whose modal masses are 1:
 Inputs are held over a step. Eq. (16) cannot be used for that, because A is singular when the
 structure is free: `hold_inputs` takes the exponential of a block matrix.
 
-The inputs p of a model are in units of their own (`scale`), so that covariances hold numbers of
-one size. A model also says which loads act at the cuts, as a linear function of state and inputs:
+The inputs p of a model are in units of their own (`scale`), their assumed change per step, so that
+covariances hold numbers of one size. A model also says which loads act at the cuts, as a linear
+function of state and inputs:
 
 - Model of the substructure: these loads are the inputs.
 - Model of the whole: the lower two are what the neighbour below (soil, foundation) puts on the
@@ -34,6 +35,8 @@ from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced, reduce_held
 from owtsweep.studies.tower.contract import Channel, Estimates, Setting
 
+#: The degrees of freedom of a cut structure on which F0, M0, F175, M175 act.
+INTERFACES = [0, 1, -2, -1]
 #: Number of the wave load q among the inputs F0, M0, F175, M175, q.
 WAVE = 4
 
@@ -81,10 +84,10 @@ def model_cut(setting: Setting, *, wave: bool = False) -> Model:
     """
     inputs = np.arange(5 if wave else 4)
     loads = np.zeros((len(setting.cut.mass), len(inputs)))
-    loads[list_interfaces(setting.cut), np.arange(4)] = 1.0
+    loads[INTERFACES, np.arange(4)] = 1.0
     if wave:
         loads[:, WAVE] = setting.wave_shape
-    scale, basis = choose_scale(setting)[inputs], setting.reduced.basis
+    scale, basis = setting.priors.step_sigma[inputs], setting.reduced.basis
     rate, drive = _accelerate(setting.reduced, setting.cut_damping, loads * scale)
     return Model(
         discrete=_discretise(setting, basis, rate, drive),
@@ -108,7 +111,7 @@ def model_whole(setting: Setting, *, wave: bool = False) -> Model:
     loads[at[-2:], [0, 1]] = 1.0
     if wave:
         loads[at, 2] = setting.wave_shape
-    scale = choose_scale(setting)[inputs]
+    scale = setting.priors.step_sigma[inputs]
     reduced = reduce_held(setting.whole, setting.whole_modes)
     displaced, moving, accelerated = balance_loads(setting, reduced.basis)
     rate, drive = _accelerate(reduced, setting.whole_damping, loads * scale)
@@ -126,12 +129,6 @@ def model_whole(setting: Setting, *, wave: bool = False) -> Model:
     )
 
 
-def list_interfaces(cut: PlaneBeam) -> NDArray[np.intp]:
-    """Return the degrees of freedom of a cut structure on which F0, M0, F175, M175 act."""
-    dof = len(cut.mass)
-    return np.array([0, 1, dof - 2, dof - 1])
-
-
 def list_whole_dof(setting: Setting) -> Array:
     """Return the degrees of freedom of the whole at the cut's, shape (dof of the cut,)."""
     return np.stack([2 * setting.nodes, 2 * setting.nodes + 1], axis=1).reshape(-1)
@@ -145,12 +142,6 @@ def respond_statically(beam: PlaneBeam, loads: Array) -> Array:
     return result
 
 
-def choose_scale(setting: Setting) -> Array:
-    """Choose the units of the five inputs: their assumed change per step, or 1 if that is 0."""
-    change = setting.priors.step_sigma
-    return np.where(change > 0.0, change, 1.0)
-
-
 def balance_loads(setting: Setting, basis: Array) -> tuple[Array, Array, Array]:
     """Return the interface loads for unit displacement, velocity and acceleration of shapes.
 
@@ -158,8 +149,7 @@ def balance_loads(setting: Setting, basis: Array) -> tuple[Array, Array, Array]:
     three results have the shape (4, shapes); their sum, each times its motion, is F0, M0, F175,
     M175. Waves are left out, see `balance_wave`. The module's head says which balance this is.
     """
-    at, interfaces = list_whole_dof(setting), list_interfaces(setting.cut)
-    rigid = move_rigidly(setting.cut)
+    at, rigid = list_whole_dof(setting), move_rigidly(setting.cut)
     results = []
     for whole, cut in (
         (setting.whole.stiffness, setting.cut.stiffness),
@@ -171,7 +161,7 @@ def balance_loads(setting: Setting, basis: Array) -> tuple[Array, Array, Array]:
         # Weight in the model softens elements of the cut; that is not the neighbour's doing.
         neighbour[:, at[2:]] = 0.0
         low = -neighbour @ basis
-        work = rigid.T @ (cut @ basis[at]) - rigid[interfaces[:2]].T @ low
+        work = rigid.T @ (cut @ basis[at]) - rigid[:2].T @ low
         results.append(np.vstack([low, np.linalg.solve(rigid[-2:].T, work)]))
     return results[0], results[1], results[2]
 

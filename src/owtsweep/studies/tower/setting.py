@@ -20,7 +20,7 @@ from owtsweep.structures.bernoulli import (
 from owtsweep.structures.reduction import Reduced, reduce_free
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Priors, Setting
-from owtsweep.studies.tower.models import list_interfaces
+from owtsweep.studies.tower.models import INTERFACES
 from owtsweep.studies.tower.truth import Motion, damp_whole, find_damping
 from owtsweep.studies.tower.tuning import Tuning
 from owtsweep.studies.tower.waves import triangular_load
@@ -107,7 +107,7 @@ def model_substructure(config: TowerConfig) -> Substructure:
         structure=structure,
         cut=cut,
         damping=find_damping(structure, weightless),
-        reduced=reduce_free(cut, list_interfaces(cut).tolist(), config.model.modes),
+        reduced=reduce_free(cut, INTERFACES, config.model.modes),
         strain=strain_matrix(structure, cut),
         stress=stress_matrix(structure, cut),
         wave_shape=triangular_load(structure, cut),

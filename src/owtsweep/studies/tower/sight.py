@@ -6,17 +6,15 @@ walks. It is one and the same for both directions.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.estimation.observability import Observability
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import Unable, identify
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting
 from owtsweep.studies.tower.measuring import list_places
@@ -32,7 +30,7 @@ NOMINAL: dict[Kind, float] = {"x": 1e-3, "theta": 1e-5, "a": 1e-3, "strain": 1e-
 NAMED = 0.05
 SHIFT, LEAN = "rigid translation", "rigid rotation"
 #: Set-ups that were found to be no blind ones.
-_passed: set[str] = set()
+_passed: set[Hashable] = set()
 
 
 def require_sight(config: TowerConfig) -> None:
@@ -41,9 +39,8 @@ def require_sight(config: TowerConfig) -> None:
     Raise `InputError` if no scheme can work; the message names loads that are unseen, and sensors
     that would do.
     """
-    decisive = as_mapping(config) | {"cuts": config.heights, "rate": config.record.rate}
-    names = ("structure", "cuts", "rate", "sensors", "filters", "model", "schemes")
-    setup = json.dumps({name: decisive[name] for name in names})
+    parts = config.structure, config.sensors, config.filters, config.model, config.schemes
+    setup = identify((config.heights, config.record.rate, *parts))
     if setup not in _passed:
         _require_sight(config)
         _passed.add(setup)

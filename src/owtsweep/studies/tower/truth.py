@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.motion.lines import Span
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
 from owtsweep.structures.response import Outputs, respond
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.models import list_interfaces
+from owtsweep.studies.tower.models import INTERFACES
 from owtsweep.studies.tower.waves import WaveLoads, make_wave_loads
 from owtsweep.studies.tower.wind import make_top_loads
 
@@ -55,7 +56,7 @@ def make_truth(config: TowerConfig, replicate: int) -> dict[str, Motion]:
     waves = None
     if sea.hs > 0.0:
         mesh = assemble_whole(structure, **vars(config.truth))
-        waves = make_wave_loads(structure, mesh, sea, draws, steps=steps, step=step, lead=lead)
+        waves = make_wave_loads(structure, mesh, sea, draws, Span(steps, step, lead))
     yaw = np.deg2rad(sea.yaw)
     shares = (float(np.cos(yaw)), float(np.sin(yaw)))
     return {
@@ -86,7 +87,7 @@ def damp_whole(whole: PlaneBeam, cut: PlaneBeam, own: Array, damper: float) -> t
     N s/m. The shapes are (dof of the cut,) and (dof, dof).
     """
     first = 2 * whole.find_node(cut.heights[0])
-    inside = np.arange(first, first + len(cut.mass))
+    inside = np.asarray(range(first, first + len(cut.mass)))
     damping = np.zeros_like(whole.mass)
     damping[np.ix_(inside, inside)] = own
     damping[-2, -2] += damper
@@ -115,13 +116,12 @@ def _simulate(
         series = np.hstack([top, waves.series])
     free = whole.free
     nodes = inside.reshape(-1, 2)[:: truth.subdivision].reshape(-1)
-    at = list_interfaces(cut)
     pick = unit[nodes]
     none = np.zeros_like(pick)
 
     def through(matrix: Array) -> Array:
         rows = np.zeros((4, size))
-        rows[:, inside] = matrix[at]
+        rows[:, inside] = matrix[INTERFACES]
         return rows
 
     # What acts on the cut structure from outside is what its motion needs, less the waves.
@@ -140,6 +140,6 @@ def _simulate(
     inputs = got[:, 2 * count :].copy()
     wave: Array = np.zeros(len(series))
     if waves is not None:
-        inputs -= series[:, 2:] @ loads[inside[at], 2:].T
+        inputs -= series[:, 2:] @ loads[inside[INTERFACES], 2:].T
         wave = share * waves.force[lead:] / (0.5 * -structure.mudline)
     return Motion(got[:, :count].copy(), got[:, count : 2 * count].copy(), inputs, wave)

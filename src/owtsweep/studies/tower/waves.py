@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.motion.lines import sample_periodic
+from owtsweep.motion.lines import Span, sample_periodic
 from owtsweep.motion.plant import draw_forces
 from owtsweep.streams import Streams
 from owtsweep.structures import Structure
@@ -37,33 +37,23 @@ class WaveLoads:
 
 
 def make_wave_loads(
-    structure: Structure,
-    beam: PlaneBeam,
-    sea: SeaState,
-    draws: Streams,
-    *,
-    steps: int,
-    step: float,
-    lead: int = 0,
+    structure: Structure, beam: PlaneBeam, sea: SeaState, draws: Streams, span: Span
 ) -> WaveLoads:
-    """Draw a record of wave loads on a structure in water.
+    """Draw a record of wave loads on a structure in water; the lead is at most as long.
 
     Raise `InputError` if the record is too short for waves.
 
     beam: a beam that covers the wetted part of the structure.
     sea: the section `waves`, with a height above 0.
-    steps, step, lead: Number of samples, sampling interval (s), and number of samples before the
-        record, at most `steps`.
     """
+    steps, step, lead = span
     drawn = Sea(sea.hs, sea.tp, sea.gamma)
     heights, forces = draw_forces(structure, drawn, draws("waves"), 2 * steps * step)
     shapes = beam.interpolate(heights)
     dof = np.flatnonzero(np.any(shapes != 0.0, axis=0))
 
     def sample(lines: NDArray[np.complex128]) -> Array:
-        bins = np.zeros(steps + 1, dtype=complex)
-        count = min(len(lines), len(bins))
-        bins[:count] = lines[:count] * steps
+        bins = lines * steps
         bins[0] *= 2.0  # the mean has no conjugate twin
         return sample_periodic(bins, steps, lead)
 

@@ -99,8 +99,7 @@ def prepare(setting: Setting) -> Expansion:
         raise Unable("MDE is blind to dynamics: it needs an accelerometer")
     at = list_whole_dof(setting)
     held = reduce_held(setting.whole, min(MODES, len(moved)))
-    loads = np.zeros((len(setting.whole.mass), 2))
-    loads[at[-2:], [0, 1]] = 1.0
+    loads = np.eye(len(setting.whole.mass))[:, at[-2:]]
     static = respond_statically(setting.whole, loads[:, : min(2, len(others))])
     first = held.omega[0] / (2.0 * np.pi)
     return Expansion(

@@ -60,9 +60,8 @@ def prepare_shapes(setting: Setting) -> Shapes:
     height = cut.heights[-1] - cut.heights[0]
     shapes = np.zeros((len(cut.mass), 4))
     shapes[:, :2] = move_rigidly(cut)
-    force = np.zeros((len(cut.mass) - 2, 2))
-    force[-2:] = np.eye(2)
-    shapes[2:, 2:] = np.linalg.solve(cut.stiffness[2:, 2:], force)  # the ground held
+    unit = np.eye(len(cut.mass) - 2)
+    shapes[2:, 2:] = np.linalg.solve(cut.stiffness[2:, 2:], unit[:, -2:])  # the ground held
     loads = np.zeros((4, 4))
     loads[:, 2] = [-1.0, -height, 1.0, 0.0]
     loads[:, 3] = [0.0, -1.0, 0.0, 1.0]
