@@ -63,14 +63,6 @@ def list_content(config: FloaterConfig) -> dict[str, object]:
     return content
 
 
-def _make_truth(config: FloaterConfig, cell: Cell, replicate: int) -> Motion:
-    return make_truth(config, replicate, cell.get("roll"))
-
-
-def _measure(config: FloaterConfig, cell: Cell, motion: Motion) -> Record:
-    return Record(motion, measure(config, motion, cell))
-
-
 def make_setting(config: FloaterConfig, motion: Motion, cell: Cell) -> Setting:
     """Return what schemes know beforehand of a cell, by the section `filters`."""
     tuning, truth, body = config.filters, motion.truth, config.sensors.frame == "body"
@@ -187,8 +179,8 @@ DECLARATION = Declaration(
     schemes=SCHEMES,
     list_content=list_content,
     most_records=lambda config: max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps)),
-    make_truth=_make_truth,
-    measure=_measure,
+    make_truth=lambda config, cell, replicate: make_truth(config, replicate, cell.get("roll")),
+    measure=lambda config, cell, motion: Record(motion, measure(config, motion, cell)),
     inform=_inform,
     score=_score,
     estimates={

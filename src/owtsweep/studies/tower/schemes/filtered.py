@@ -98,13 +98,11 @@ class Noise(NamedTuple):
 
 def find_noise(setting: Setting, model: Model) -> Noise:
     """Return the noise of a model by a setting's tuning."""
-    tuning, priors = setting.tuning, setting.priors
-    both = priors.step_sigma, priors.sigma
-    change, size = (sigma[model.inputs] / model.scale for sigma in both)
+    tuning, size = setting.tuning, setting.priors.sigma[model.inputs] / model.scale
     initial = np.full(2 * model.modes, tuning.initial)
     return Noise(
         Q=np.diag(np.repeat([tuning.process_noise, setting.rate_noise], model.modes)),
-        S=np.diag(change**2),
+        S=np.eye(len(size)),  # a step is the unit of its input
         R=np.diag([channel.sigma**2 for channel in setting.channels]),
         P0=np.diag(np.concatenate([initial, size**2])),
         size=size,
@@ -119,10 +117,9 @@ def observe(model: Model) -> Observability:
 def tell_blindness(setting: Setting, model: Model) -> str:
     """Say how many directions of state and input that bend the structure sensors do not see.
 
-    Directions that bend nothing may stay
-    unseen: with inclinometers and accelerometers, position and velocity of the rigid translation
-    drift. The sentence has the rank by the test of Popov, Belevitch and Hautus; it is "" if all
-    that bends is seen.
+    Directions that bend nothing may stay unseen: with inclinometers and accelerometers, position
+    and velocity of the rigid translation drift. The sentence has the rank by the test of Popov,
+    Belevitch and Hautus; it is "" if all that bends is seen.
     """
     observed = observe(model)
     bending = setting.strain @ model.basis
