@@ -61,10 +61,7 @@ def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] 
 
 
 def make_case(
-    config: TowerConfig,
-    *,
-    inclinometers: Sequence[float] | None = None,
-    spread: bool = False,
+    config: TowerConfig, *, inclinometers: Sequence[float] | None = None, spread: bool = False
 ) -> PlacementCase:
     """Set up the choice of inclinometers fore-aft on the substructure between the cuts.
 
@@ -79,14 +76,10 @@ def make_case(
     """
     structure, part, first = config.structure, model_substructure(config), config.record.settled
     motion = make_truth(config, 0)[DIRECTIONS[0]]
-
-    def measure_size(kind: Kind) -> Array:
-        everywhere = [Place(kind, node) for node in range(len(part.cut.heights))]
-        signals = take_signals(motion, part.strain, everywhere, Faults())
-        return np.asarray(signals[first:].std(axis=0))
-
-    share, nodes = 0.01 * config.grid.noise[0], config.nodes
-    sizes = {kind: measure_size(kind) for kind in KINDS.values()}
+    share, nodes, kinds = 0.01 * config.grid.noise[0], config.nodes, KINDS.values()
+    everywhere = [Place(kind, node) for kind in kinds for node in range(len(nodes))]
+    size = take_signals(motion, part.strain, everywhere, Faults())[first:].std(axis=0)
+    sizes = dict(zip(kinds, np.split(size, len(kinds)), strict=True))
     given = _list_given(config, sizes, spread)
     there = [channel.node for channel in given if channel.kind == "theta"]
     offered = _list_offered(nodes, sizes["theta"], there, inclinometers)

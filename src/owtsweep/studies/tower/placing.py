@@ -22,6 +22,8 @@ COUNT = 8
 ELEMENTS = 13
 #: Least distance of two heights to choose from, m.
 APART = 0.01
+#: Key -> its value if the user sets none; with `paper`, loads are declared, not told.
+DEFAULTS = {"grid.noise": "[1]", "tuning": "paper", "sensors": "accelerometers"}
 #: Keys that have no part in the choice -> why.
 NO_PART = dict.fromkeys(
     ("schemes", "criterion", "fatigue", "grid.soil_factor", "grid.replicates"),
@@ -41,10 +43,7 @@ def list_defaults(given: Collection[str]) -> list[str]:
         for end in range(1, len(parts) + 1):
             why = NO_PART.get(".".join(parts[:end]), "")
             require(not why, f"{key}: `place` does not take it, because {why}; leave it out")
-    start = [] if "grid.noise" in given else ["grid.noise=[1]"]
-    start += [] if "tuning" in given else ["tuning=paper"]  # loads are declared, not told
-    if "sensors" not in given:
-        start.append("sensors=accelerometers")
+    start = [f"{key}={value}" for key, value in DEFAULTS.items() if key not in given]
     if not _name_sensors(given):
         start += ["sensors.accelerometers=[]", "sensors.every_node=[accelerometers]"]
     return start
