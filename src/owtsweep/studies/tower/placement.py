@@ -130,13 +130,13 @@ class Choice:
 def pose(case: PlacementCase) -> Problem:
     """Pose the choice of sensors for one direction; errors are shares of the case's scales."""
     setting, candidates = case.setting, case.candidates
-    channels = (*setting.channels, *candidates)
-    model = model_cut(replace(setting, channels=channels), wave=case.wave)
-    noise = find_noise(replace(setting, channels=channels), model)
+    known = replace(setting, channels=(*setting.channels, *candidates))
+    model = model_cut(known, wave=case.wave)
+    noise = find_noise(known, model)
     transition, rows, Q = augment_walks(model.discrete, noise.Q, noise.S)
-    size = np.sqrt(np.diag(Q))
+    size, sigma = np.sqrt(np.diag(Q)), np.sqrt(np.diag(noise.R))
     transition = transition * size / size[:, None]
-    rows = rows * size / np.array([channel.sigma for channel in channels])[:, None]
+    rows = rows * size / sigma[:, None]
     bent = np.zeros((len(case.stress), len(size)))
     bent[:, : model.modes] = case.stress @ model.basis
     bent *= size / case.stress_scale[:, None]
