@@ -71,7 +71,7 @@ def test_nothing_but_numbers_is_loaded(tmp_path: Path) -> None:
     assert table.names == ("time",)
     assert table.notes == ["no arrays of real numbers, left out: s, c, text, z"]
     said = refusal(save(tmp_path, s={"x": X}, c=cell))
-    assert "has no vector of numbers: save plain vectors (no arrays of real numbers, left" in said
+    assert "has no array of numbers: save plain vectors (no arrays of real numbers, left" in said
 
 
 HEADERS = [b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512), b""]
@@ -154,6 +154,6 @@ def test_a_small_file_cannot_unpack_to_a_large_one(tmp_path: Path) -> None:
     bomb = zlib.compress(struct.pack("<2I", 14, 48) + bytes(200_000_000), 9)
     path.write_bytes(path.read_bytes()[:128] + struct.pack("<2I", 15, len(bomb)) + bomb)
     tracemalloc.start()
-    assert "no vector of numbers" in refusal(path) or "not a whole" in refusal(path)
+    assert "no array of numbers" in refusal(path) or "not a whole" in refusal(path)
     assert tracemalloc.get_traced_memory()[1] < 5e6
     tracemalloc.stop()

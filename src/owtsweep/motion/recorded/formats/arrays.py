@@ -6,9 +6,10 @@ import math
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,6 @@ from owtsweep.motion.recorded.formats.table import (
 if TYPE_CHECKING:
     from pyarrow import parquet
 
-T = TypeVar("T")
 AXES = "xyz"
 #: What is said of a damaged archive, and the errors that NumPy raises on one.
 DAMAGED = (
@@ -38,89 +38,97 @@ HEADERS = {
 }
 
 
-def open_npz(path: Path) -> ChannelTable:
-    """Open a NumPy archive of arrays that all have the same number n of rows.
+class Variable(NamedTuple):
+    """An array of a file, whose numbers are read on demand."""
+
+    name: str
+    shape: tuple[int, ...]  # rows; rows and columns
+    real: bool  # whether it is an array of real numbers
+    load: Callable[[], Array]  # shaped as it
+
+
+def open_arrays(
+    path: Path,
+    form: str,
+    variables: Iterable[Variable],
+    damaged: tuple[str, *tuple[type[Exception], ...]],
+) -> ChannelTable:
+    """Open the arrays of a file; what is no array of real numbers in rows is left out, and told.
 
     An array `a` of shape (n,) becomes the channel a; one of shape (n, 1) to (n, 3) the channels
-    a_x, a_y, a_z; one with more columns a_1, a_2, ... What holds no numbers is left out.
+    a_x, a_y, a_z; one with more columns a_1, a_2, ...
 
-    Raises InputError if the archive is damaged, holds pickled objects, or has no arrays of one
-        length.
+    form: the format in words. damaged: what is said of a damaged file, and the errors of one.
+    Raises InputError if there is no array; when numbers are loaded, if channels differ in length.
     """
-    places: dict[str, tuple[str, int]] = {}  # channel -> member, column
-    lengths: set[int] = set()
-    with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
-        for member in archive.infolist():
-            shape = _find_shape(path, archive, member)
-            if shape is None:
-                continue
-            lengths.add(shape[0])
-            key = member.filename.removesuffix(".npy")
-            channels = name_columns(path, key, shape[1]) if len(shape) == 2 else [key]
-            places.update({each: (member.filename, n) for n, each in enumerate(channels)})
-    require(bool(places), f"{path}: has no array of numbers")
-    listed = ", ".join(map(str, sorted(lengths)[:5]))
-    require(len(lengths) == 1, f"{path}: has arrays of different lengths ({listed})")
-    names, found = tuple(places), list(places.values())
-
-    def load(member: str) -> Array:
-        with (
-            refuse_damaged(path, *DAMAGED),
-            zipfile.ZipFile(path) as archive,
-            archive.open(member) as stream,
-        ):
-            array = np.lib.format.read_array(stream, allow_pickle=False)
-        return array if array.ndim == 2 else array[:, None]
+    places: list[tuple[str, Variable, int]] = []  # channel, array, column
+    left_out = []
+    for variable in variables:
+        name, shape, real, _ = variable
+        if not real or len(shape) not in (1, 2):
+            left_out.append(name)
+            continue
+        columns = math.prod(shape[1:])
+        require_channels(path, columns)
+        require_room(path, shape[0], columns, shape[0])
+        ends = [f"_{AXES[k] if columns <= len(AXES) else k + 1}" for k in range(columns)]
+        ends = ends if len(shape) == 2 else [""]
+        places += [(name + end, variable, column) for column, end in enumerate(ends)]
+    notes = [f"no arrays of real numbers, left out: {', '.join(left_out)}"] if left_out else []
+    more = f" ({notes[0]})" if notes else ""
+    require(bool(places), f"{path}: has no array of numbers: save plain vectors{more}")
 
     def read(wanted: Sequence[int], rows: int) -> list[Array]:
-        return pick_columns([found[place] for place in wanted], load, rows)
+        lengths = {places[each][0]: places[each][1].shape[0] for each in wanted}
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        require(
+            len({*lengths.values()}) < 2,
+            f"{path}: channels differ in length ({told}): save them equally long",
+        )
+        found: dict[int, Array] = {}
+        for variable in dict.fromkeys(places[each][1] for each in wanted):  # one at a time
+            with refuse_damaged(path, *damaged):
+                table = variable.load().reshape(variable.shape[0], -1)
+            for each in wanted:
+                if places[each][1] is variable:
+                    found[each] = np.array(table[:rows, places[each][2]], dtype=float)
+        return [found[each] for each in wanted]
 
-    return ChannelTable(path, "NumPy archive", names, ("",) * len(names), read, lengths.pop())
-
-
-def pick_columns(
-    wanted: Sequence[tuple[T, int]], load: Callable[[T], Array], rows: int
-) -> list[Array]:
-    """Return the first `rows` values of columns, each given as an array and its place in it.
-
-    `load` reads an array, shape (n, columns); no array is read twice, and one at a time.
-    """
-    found: dict[tuple[T, int], Array] = {}
-    for name in dict.fromkeys(name for name, _ in wanted):
-        table = load(name)
-        for each in wanted:
-            if each[0] == name:
-                found[each] = np.array(table[:rows, each[1]], dtype=float)
-    return [found[each] for each in wanted]
-
-
-def name_columns(path: Path, key: str, count: int) -> list[str]:
-    """Return the channels that the columns of an array become, at most `MOST_CHANNELS`."""
-    require_channels(path, count)
-    return [f"{key}_{AXES[i] if count <= len(AXES) else i + 1}" for i in range(count)]
+    names = tuple(name for name, _, _ in places)
+    longest = max(variable.shape[0] for _, variable, _ in places)
+    return ChannelTable(path, form, names, ("",) * len(names), read, longest, notes)
 
 
-def _find_shape(
-    path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo
-) -> tuple[int, ...] | None:
-    """Return the shape that an array's header announces; None if the array is left out."""
+def open_npz(path: Path) -> ChannelTable:
+    """Open a NumPy archive; raises InputError if it is damaged or holds pickled objects."""
+    with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
+        variables = [_read_header(path, archive, member) for member in archive.infolist()]
+    return open_arrays(path, "NumPy archive", variables, DAMAGED)
+
+
+def _read_header(path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Variable:
+    file = member.filename
+    variable = Variable(file.removesuffix(".npy"), (), False, partial(_load, path, file))
     with archive.open(member) as stream:
         read_header = HEADERS.get(np.lib.format.read_magic(stream))
         if read_header is None:
-            return None
+            return variable
         shape, _, dtype = read_header(stream)
         plain = "which can run code: save plain arrays"
         require(not dtype.hasobject, f"{path}: holds pickled objects, {plain}")
-        if dtype.kind not in "fiub" or len(shape) not in (1, 2):
-            return None
-        size = math.prod(shape) * dtype.itemsize
-        name, there = member.filename, member.file_size
+        if dtype.kind not in "fiub":
+            return variable
+        size, there = math.prod(shape) * dtype.itemsize, member.file_size
         require(
             stream.tell() + size <= there,
-            f"{path}: {name} is to hold {size} bytes of numbers, but holds {there}",
+            f"{path}: {file} is to hold {size} bytes of numbers, but holds {there}",
         )
-        require_room(path, shape[0], math.prod(shape[1:]), shape[0])
-        return tuple(shape)
+    return variable._replace(shape=tuple(shape), real=True)
+
+
+def _load(path: Path, file: str) -> Array:
+    with zipfile.ZipFile(path) as archive, archive.open(file) as stream:
+        return np.lib.format.read_array(stream, allow_pickle=False)
 
 
 def open_parquet(path: Path) -> ChannelTable:

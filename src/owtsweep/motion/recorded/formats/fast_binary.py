@@ -45,7 +45,7 @@ class Header:
     scale: Array  # (n,): a value is (packed - offset) / scale
     offset: Array
     names: tuple[str, ...]  # of time and the channels
-    units: tuple[str, ...]  # "" where the file states none
+    units: tuple[str, ...]
     first: int  # the byte at which the numbers begin
 
 
@@ -94,8 +94,7 @@ def _read_header(path: Path) -> Header:
     per_step = channels * (8 if kind == UNCOMPRESSED else 2) + (4 if kind == WITH_TIME else 0)
     whole = (size - first) // per_step
     require(whole >= steps, f"{path}: is cut short: {steps} time steps announced, {whole} there")
-    stated = tuple("" if unit == "-" else unit for unit in (u.strip("()[] ") for u in units))
-    return Header(kind, steps, clock, scale, offset, names, stated, first)
+    return Header(kind, steps, clock, scale, offset, names, units, first)
 
 
 def _read(path: Path, header: Header, places: Sequence[int], rows: int) -> list[Array]:

@@ -11,16 +11,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_bytes, require_regular
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged
 from owtsweep.motion.recorded.formats.text import read_columns
 from owtsweep.motion.recorded.formats.text_layout import Layout
 
@@ -31,13 +31,12 @@ MOST_BYTES = 1 << 24
 NAME, UNIT = slice(12, 43), slice(43, 54)
 
 
-@dataclass(frozen=True)
-class Selection:
+class Selection(NamedTuple):
     """The content of a .sel file with n channels."""
 
     scans: int
-    names: tuple[str, ...]
-    units: tuple[str, ...]  # "" where the file states none
+    names: list[str]
+    units: list[str]
     factors: Array | None  # (n,), of stored numbers; None if the .dat file is text
     duration: float  # of all scans, s
 
@@ -51,8 +50,8 @@ def find_companion(path: Path, suffix: str) -> Path | None:
 def open_hawc2(path: Path) -> ChannelTable:
     """Open HAWC2 output, a .sel and a .dat file, given the path of one of these two files.
 
-    Raises InputError if the other file is missing, one is not HAWC2's, or the .dat file is cut
-        short.
+    Raises InputError if the other file is missing, or one is not HAWC2's; when numbers are loaded,
+        if the .dat file is cut short.
     """
     wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
     other = find_companion(path, wanted)
@@ -61,69 +60,51 @@ def open_hawc2(path: Path) -> ChannelTable:
         raise InputError(f"{path}: HAWC2 output is two files; {name} is missing")
     require_regular(other)
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
-    selection = _read_selection(sel)
-    _check_length(dat, selection)
+    found = _read_selection(sel)
     notes: list[str] = []
-    read = partial(_read, dat, selection, notes)
-    kind = "ASCII" if selection.factors is None else "binary"
-    names, units = selection.names, selection.units
-    return ChannelTable(path, f"HAWC2, {kind}", names, units, read, selection.scans, notes)
+    read = partial(_read, dat, found, notes)
+    kind = "HAWC2, ASCII" if found.factors is None else "HAWC2, binary"
+    return ChannelTable(path, kind, found.names, found.units, read, found.scans, notes)
 
 
 def _read_selection(sel: Path) -> Selection:
     lines = read_bytes(sel, MOST_BYTES).decode("latin-1").splitlines()
-    strange = InputError(
-        f"{sel}: is not a HAWC2 .sel file (line 9 holds scans, channels, time, ASCII/BINARY)"
-    )
-    try:
+    strange = "is not a HAWC2 .sel file, whose line 9 holds scans, channels, time, ASCII/BINARY"
+    factors = None
+    with refuse_damaged(sel, strange, IndexError, ValueError):
         words = lines[SUMMARY_LINE].split()
         scans, count, duration, kind = int(words[0]), int(words[1]), float(words[2]), words[3]
-    except (IndexError, ValueError):
-        raise strange from None
-    rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + count]
-    possible = scans > 0 and count > 0 and 0.0 < duration < math.inf
-    if len(rows) != count or kind.upper() not in ("ASCII", "BINARY") or not possible:
-        raise strange
-    names = number_repeats([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
-    units = (row[UNIT].strip() for row in rows)
-    stated = tuple("" if unit == "-" else unit for unit in units)
-    factors = None
-    if kind.upper() == "BINARY":
-        below = lines[FIRST_CHANNEL + count :]
-        start = next((k for k, t in enumerate(below) if "scale factor" in t.lower()), len(below))
-        try:
-            factors = np.array([float(n) for n in " ".join(below[start + 1 :]).split()][:count])
-        except ValueError:
-            raise strange from None
-        if len(factors) != count:
-            raise InputError(f"{sel}: has {len(factors)} scale factors for {count} channels")
-    return Selection(scans, names, stated, factors, duration)
-
-
-def _check_length(dat: Path, selection: Selection) -> None:
-    there, channels = dat.stat().st_size, len(selection.names)
-    needed = 2 * selection.scans * channels
-    require(there > 0, f"{dat}: is empty")
+        rows, below = lines[FIRST_CHANNEL:][:count], lines[FIRST_CHANNEL + count :]
+        if kind.upper() == "BINARY":
+            start = next(
+                (k for k, t in enumerate(below) if "scale factor" in t.lower()), len(below)
+            )
+            factors = np.array(" ".join(below[start + 1 :]).split()[:count], dtype=float)
+        elif kind.upper() != "ASCII":
+            raise ValueError(kind)
+        if scans < 1 or not 0 < count == len(rows) or not 0.0 < duration < math.inf:
+            raise ValueError(f"{len(rows)} lines of channels")
     require(
-        selection.factors is None or there >= needed,
-        f"{dat}: is cut short: {selection.scans} scans of {channels} channels need {needed} bytes, "
-        f"{there} are there",
+        factors is None or len(factors) == count,
+        f"{sel}: has {np.size(factors)} scale factors for {count} channels",
     )
+    names, units = [row[NAME].strip() for row in rows], [row[UNIT] for row in rows]
+    return Selection(scans, names, units, factors, duration)
 
 
 def _read(
     dat: Path, selection: Selection, notes: list[str], places: Sequence[int], rows: int
 ) -> list[Array]:
-    scans = min(rows, selection.scans)
+    scans, count = selection.scans, len(selection.names)
+    short = f"is cut short: {scans} scans of {count} channels are announced"
     if selection.factors is not None:
-        packed = np.memmap(dat, "<i2", "r", shape=(len(selection.names), selection.scans))
-        found = [packed[place, :scans] * selection.factors[place] for place in places]
+        with refuse_damaged(dat, short, ValueError):
+            packed = np.memmap(dat, "<i2", "r", shape=(count, scans))
+        found = [packed[place, :rows] * selection.factors[place] for place in places]
     else:
         layout = Layout(" ", 0, selection.names, selection.units, ".", {})
-        found = read_columns(dat, layout, notes, places, scans)
-        there = min(map(len, found), default=scans)
-        counted = f"{selection.scans} scans announced, {there} there"
-        require(there >= scans, f"{dat}: is cut short: {counted}")
+        found = read_columns(dat, layout, notes, places, min(rows, scans))
+        require(len(found[0]) >= min(rows, scans), f"{dat}: {short}, {len(found[0])} are there")
     return [_restore_time(values, k, selection) for k, values in zip(places, found, strict=True)]
 
 

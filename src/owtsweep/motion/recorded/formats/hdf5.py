@@ -12,16 +12,17 @@ format.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.motion.recorded.formats.arrays import Variable
 from owtsweep.motion.recorded.formats.table import (
     MOST_VALUES,
     ChannelTable,
@@ -60,19 +61,9 @@ def open_gtsdf(path: Path) -> ChannelTable:
         require_channels(path, count)
         names = _read_words(path, file, "attribute_names", count)
         units = _read_words(path, file, "attribute_units", count)
-    names = [TIME, *(name or str(k + 1) for k, name in enumerate(names))]
-    units = ["s", *("" if unit == "-" else unit for unit in units)]
+    names = [TIME, *(name or str(place) for place, name in enumerate(names, start=1))]
     read, rows = partial(_read, path, blocks), sum(shape[0] for shape in shapes)
-    return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), read, rows)
-
-
-class Variable(NamedTuple):
-    """A variable of a MATLAB file, whose numbers are read on demand."""
-
-    name: str
-    shape: tuple[int, ...]
-    real: bool  # whether it is an array of real numbers
-    load: Callable[[], Array]  # of two dimensions, shaped as it
+    return ChannelTable(path, "gtsdf (HDF5)", names, ["s", *units], read, rows)
 
 
 def list_arrays(path: Path) -> Iterator[Variable]:
@@ -154,14 +145,12 @@ def _read_vector(path: Path, group: h5py.Group, name: str, default: Array) -> Ar
 
 
 def _read(path: Path, blocks: Sequence[str], places: Sequence[int], rows: int) -> list[Array]:
-    parts: list[list[Array]] = [[np.empty(0)] for _ in places]
+    parts: list[list[Array]] = [[] for _ in places]
     with _open(path) as file:
         for block in blocks:
             data = _open_data(path, file, block)
             group = file[block]
             steps = min(data.shape[0], rows)
-            if steps <= 0:
-                break
             rows -= steps
             gains = _read_vector(path, group, "gains", np.ones(data.shape[1]))
             offsets = _read_vector(path, group, "offsets", np.zeros(data.shape[1]))
@@ -173,10 +162,9 @@ def _read(path: Path, blocks: Sequence[str], places: Sequence[int], rows: int) -
                     part.append(start + step * count)
                     continue
                 packed = data[:steps, place - 1]
-                values = np.asarray(packed, dtype=float)
+                values = packed * gains[place - 1]
+                values += offsets[place - 1]
                 if np.issubdtype(packed.dtype, np.integer):
                     values[packed == np.iinfo(packed.dtype).max] = np.nan
-                values *= gains[place - 1]
-                values += offsets[place - 1]
                 part.append(values)
     return [np.concatenate(part) for part in parts]

@@ -10,17 +10,16 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
-from owtsweep.motion.recorded.formats.arrays import name_columns, pick_columns
-from owtsweep.motion.recorded.formats.hdf5 import Variable, list_arrays
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged, require_room
+from owtsweep.motion.recorded.formats.arrays import Variable, open_arrays
+from owtsweep.motion.recorded.formats.hdf5 import list_arrays
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged
 
 #: Types of data elements that hold numbers, and those that hold a compressed element or an array.
 TYPES = {
@@ -150,47 +149,23 @@ def _read_tag(raw: bytes, place: int, order: str) -> tuple[int, int, int, int]:
 def open_mat(path: Path) -> ChannelTable:
     """Open a MATLAB file.
 
-    A vector `a` becomes the channel a. The longer side of a matrix is time; its columns become
-    channels as in `arrays.open_npz`. What is no array of real numbers, or stands alone, is left
-    out.
+    Vectors and matrices become channels as in `arrays.open_arrays`, the longer side of a matrix
+    being time. A number that stands alone is left out.
 
-    Raises InputError if the file is damaged or has no array of numbers; when numbers are loaded, if
-        channels differ in length.
+    Raises InputError if the file is damaged, or as `open_arrays`.
     """
     begin = _read(path, 0, HEADER + len(HDF5))
-    places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column
-    left_out = []
     with refuse_damaged(path, *DAMAGED):
         is_hdf5 = begin.startswith((b"MATLAB 7.3", HDF5)) or begin[HEADER:] == HDF5
         variables = [*(list_arrays(path) if is_hdf5 else list_variables(path))]
-    for variable in variables:
-        name, shape = variable.name, variable.shape
-        if not variable.real or len(shape) != 2 or min(shape) < 1 or max(shape) < 2:
-            left_out.append(name)
-            continue
-        require_room(path, max(shape), min(shape), max(shape))
-        columns = min(shape)
-        channels = [name] if columns == 1 else name_columns(path, name, columns)
-        places.update({each: (variable, column) for column, each in enumerate(channels)})
-    listed = f"no arrays of real numbers, left out: {', '.join(left_out)}" if left_out else ""
-    more = f" ({listed})" if listed else ""
-    require(bool(places), f"{path}: has no vector of numbers: save plain vectors{more}")
-    names, found = tuple(places), list(places.values())
+    return open_arrays(path, "MATLAB", map(_put_time_first, variables), DAMAGED)
 
-    def load(variable: Variable) -> Array:
-        with refuse_damaged(path, *DAMAGED):
-            array = variable.load()
-        return array if array.shape[0] >= array.shape[1] else array.T
 
-    def read(wanted: Sequence[int], rows: int) -> list[Array]:
-        lengths = {names[place]: max(found[place][0].shape) for place in wanted}
-        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        require(
-            len({*lengths.values()}) < 2,
-            f"{path}: channels differ in length ({told}): save them equally long",
-        )
-        return pick_columns([found[place] for place in wanted], load, rows)
-
-    longest = max(max(variable.shape) for variable, _ in found)
-    units, notes = ("",) * len(names), [listed] if listed else []
-    return ChannelTable(path, "MATLAB", names, units, read, longest, notes)
+def _put_time_first(variable: Variable) -> Variable:
+    shape = variable.shape
+    if len(shape) != 2 or min(shape) < 1 or max(shape) < 2:
+        return variable._replace(real=False)
+    turned = (max(shape),) if min(shape) == 1 else (max(shape), min(shape))
+    if shape[0] >= shape[1]:
+        return variable._replace(shape=turned)
+    return variable._replace(shape=turned, load=lambda: variable.load().T)

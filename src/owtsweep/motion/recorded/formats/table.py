@@ -29,16 +29,18 @@ class ChannelTable:
 
     path: Path
     format: str  # in words
-    names: tuple[str, ...]  # without units; time is one of them
-    units: tuple[str, ...]  # "" where the file states none
+    names: Sequence[str]  # without units; time is one of them
+    units: Sequence[str]  # "" where the file states none
     read: Read  # numbers in the file's units, NaN where missing
     rows: int | None = None  # as the file announces; text announces none
     notes: list[str] = field(default_factory=list)  # what `read` left out
 
     def tidied(self) -> ChannelTable:
-        """Return the table with printable names and units, no name twice."""
-        names = number_repeats([tidy(name) for name in self.names])
-        return replace(self, names=names, units=tuple(map(tidy, self.units)))
+        """Return the table with printable names, none empty or twice, and bare units."""
+        names = [tidy(name) or str(place) for place, name in enumerate(self.names, start=1)]
+        units = [tidy(unit.strip("()[] ")) for unit in self.units]
+        units = ["" if unit in ("-", "none") else unit for unit in units]
+        return replace(self, names=number_repeats(names), units=tuple(units))
 
     def unit(self, name: str) -> str:
         """Return the unit that the file states for a channel; "" if the file states none."""

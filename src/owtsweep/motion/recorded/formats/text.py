@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import codecs
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,9 +28,6 @@ from owtsweep.motion.recorded.formats.text_layout import (
 
 if TYPE_CHECKING:
     import pyarrow as pa
-
-    #: Column -> its values in one block: numbers, or a pyarrow array of strings for times.
-    Parsed = Mapping[str, Array | pa.StringArray]
 
 #: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
@@ -77,30 +75,21 @@ def read_columns(
     path: Path, layout: Layout, notes: list[str], places: Sequence[int], rows: int
 ) -> list[Array]:
     """Read the first `rows` values of columns, block by block; `notes` gets what is left out."""
-    names = [layout.names[place] for place in places]
-    times = {n: IsoTimes(path, n, layout.times[n]) for n in names if n in layout.times}
-    columns: dict[str, Array] = {name: np.empty(0) for name in names}
+    parts: list[list[Array]] = [[np.empty(0)] for _ in places]
     count, skipped = 0, layout.first
     for block, is_last in read_blocks(path):
         if is_last:
             block = _without_ending(block, layout, notes)
         if not block.strip():
             continue
-        parsed = _parse(path, layout, block, skipped, names)
+        for part, values in zip(parts, _parse(path, layout, block, skipped, places), strict=True):
+            part.append(values)
         skipped = 0
-        stop = count + len(parsed[names[0]]) if names else count
-        for name in names:
-            values = parsed[name]
-            if stop > len(columns[name]):
-                longer = np.empty(max(2 * len(columns[name]), stop))  # takes memory when written to
-                longer[:count] = columns[name][:count]
-                columns[name] = longer
-            columns[name][count:stop] = times[name].convert(values) if name in times else values
-        count = stop
+        count += len(parts[0][-1])
         if count >= rows:
             break
-    stop = min(rows, count)
-    return [columns[name][:stop] for name in names]
+    parts.reverse()
+    return [np.concatenate(parts.pop())[:rows] for _ in places]  # frees parts that are joined
 
 
 def _without_ending(block: bytes, layout: Layout, notes: list[str]) -> bytes:
@@ -140,7 +129,9 @@ def _quote(text: str) -> str:
     return f"'{printable(text.strip()[:40])}'"
 
 
-def _parse(path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]) -> Parsed:
+def _parse(
+    path: Path, layout: Layout, block: bytes, skipped: int, places: Sequence[int]
+) -> list[Array]:
     # pyarrow's own streaming reader is not used: its thread may outlive an error
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
@@ -148,69 +139,57 @@ def _parse(path: Path, layout: Layout, block: bytes, skipped: int, names: Sequen
     if layout.delimiter == " ":  # pyarrow cannot split a line at runs of blanks
         lines = block.splitlines()[skipped:]
         block, skipped = b"\n".join(b" ".join(line.split()) for line in lines), 0
+    names = [str(place) for place in range(len(layout.names))]
     convert = arrow_csv.ConvertOptions(
-        include_columns=list(names),
-        column_types={n: pa.string() if n in layout.times else pa.float64() for n in names},
+        include_columns=[names[place] for place in places],
+        column_types={
+            name: pa.string() if place in layout.times else pa.float64()
+            for place, name in enumerate(names)
+        },
         null_values=list(MISSING),
         strings_can_be_null=True,
         decimal_point=layout.decimal,
     )
-    how = arrow_csv.ReadOptions(skip_rows=skipped, column_names=list(layout.names))
+    how = arrow_csv.ReadOptions(skip_rows=skipped, column_names=names)
     parse = arrow_csv.ParseOptions(delimiter=layout.delimiter)
     try:
         table = arrow_csv.read_csv(pa.BufferReader(block), how, parse, convert)
     except pa.ArrowException as error:
         reason = f"cannot be read as a table of numbers ({shorten(error, 160)})"
         raise InputError(f"{path}: {reason}") from None
-    return {
-        n: table.column(n).combine_chunks() if n in layout.times else table.column(n).to_numpy()
-        for n in names
-    }
+    return [
+        to_seconds(column, layout.times[place], f"{path}: column {layout.names[place]}")
+        if place in layout.times
+        else column.to_numpy()
+        for place, column in zip(places, table.columns, strict=True)
+    ]
 
 
-class IsoTimes:
-    """Converts a column of times in ISO 8601, piece by piece, to seconds from the first time.
+def to_seconds(texts: pa.ChunkedArray, first: str, where: str) -> Array:
+    """Return times in ISO 8601 as seconds from the `first` one; NaN where a text is missing.
 
-    `example` is the first field of the column `name`; InputError is raised if its form is another.
+    Raises InputError, which begins with `where`, if a text or the first is not in ISO 8601, or only
+    some times have an offset from UTC.
     """
+    import pandas as pd
+    import pyarrow.compute as pc
 
-    def __init__(self, path: Path, name: str, example: str) -> None:
-        self._path, self._name = path, name
-        self._first: int | None = None
-        self._zoned: set[bool] = set()
-        require(
-            is_iso_time(example),
-            f"{path}: column {name} holds times like {example}: write date and time in ISO 8601, "
-            "e.g. 2024-05-01T12:00:00.000Z, or seconds",
-        )
-
-    def convert(self, texts: pa.StringArray) -> Array:
-        """Return the next times in s from the column's first; NaN where a text is missing.
-
-        Raises InputError if a text is not in ISO 8601, or only some times have an offset from UTC.
-        """
-        import pandas as pd
-        import pyarrow.compute as pc
-
-        where = f"{self._path}: column {self._name}"
-        there = pc.is_valid(texts).to_numpy(zero_copy_only=False)
-        good = pc.match_substring_regex(texts, "^" + ISO_PATTERN).fill_null(True)
-        wrong = texts.filter(pc.invert(good))
-        if len(wrong):
-            raise InputError(f"{where} holds times in ISO 8601, but also {wrong[0].as_py()[:40]!r}")
-        zoned = pc.match_substring_regex(texts, ZONE + "$")
-        self._zoned |= {*zoned.drop_null().unique().to_pylist()}
-        require(
-            len(self._zoned) < 2,
-            f"{where}: some times state Z or an offset from UTC, others do not; write them in one "
-            "way",
-        )
-        series = pc.replace_substring(texts, ",", ".").to_pandas()
-        with refuse_damaged(where, "no such time", ValueError, OverflowError):
-            moments = pd.to_datetime(series, format="ISO8601", utc=True).dt.tz_localize(None)
-        numbers = moments.to_numpy(dtype="datetime64[ns]").view(np.int64)
-        if self._first is None and there.any():
-            self._first = int(numbers[there][0])
-        result = np.full(len(numbers), np.nan)
-        result[there] = (numbers[there] - (self._first or 0)) * 1e-9
-        return result
+    require(
+        is_iso_time(first),
+        f"{where} holds times like {first}: write date and time in ISO 8601, e.g. "
+        "2024-05-01T12:00:00.000Z, or seconds",
+    )
+    wrong = texts.filter(pc.invert(pc.match_substring_regex(texts, "^" + ISO_PATTERN)))
+    if len(wrong):
+        raise InputError(f"{where} holds times in ISO 8601, but also {wrong[0].as_py()[:40]!r}")
+    zoned = pc.unique(pc.match_substring_regex(texts, ZONE + "$").drop_null()).to_pylist()
+    require(
+        {*zoned} <= {re.search(ZONE + "$", first) is not None},
+        f"{where}: some times state Z or an offset from UTC, others do not; write them in one way",
+    )
+    with refuse_damaged(where, "no such time", ValueError, OverflowError):
+        begin = pd.to_datetime(first.replace(",", "."), format="ISO8601", utc=True)
+        points = pc.replace_substring(texts, ",", ".").to_pandas()
+        since = pd.to_datetime(points, format="ISO8601", utc=True) - begin
+    since = since.to_numpy("timedelta64[ns]")
+    return np.where(np.isnat(since), np.nan, since.astype(np.int64) * 1e-9)

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.table import LONGEST_NAME, number_repeats
+from owtsweep.motion.recorded.formats.table import LONGEST_NAME
 from owtsweep.motion.recorded.units import find_dimension
 
 #: The unit of a column of such times, in place of one that the file states.
@@ -68,10 +68,10 @@ class Layout:
 
     delimiter: str  # " " stands for any run of blanks
     first: int  # lines above the data
-    names: tuple[str, ...]
-    units: tuple[str, ...]  # "" where the file states none
+    names: Sequence[str]
+    units: Sequence[str]  # "" where the file states none
     decimal: str  # "." or ","
-    times: Mapping[str, str]  # column of dates or times of day -> its first field
+    times: Mapping[int, str]  # place of a column of dates or times of day -> its first field
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
@@ -108,8 +108,8 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         if delimiter == "," and header and decimal == ".":
             _refuse_commas_for_all(path, first, fields, header[-1])
         names, units = _read_header(header, delimiter, len(fields))
-        times = {name: f for name, f in zip(names, fields, strict=True) if is_date_or_clock(f)}
-        units = tuple(ISO_TIME if n in times else u for n, u in zip(names, units, strict=True))
+        times = {place: field for place, field in enumerate(fields) if is_date_or_clock(field)}
+        units = [ISO_TIME if place in times else unit for place, unit in enumerate(units)]
         return Layout(delimiter, first, names, units, decimal, times)
     raise InputError(
         f"{path}: has no table of numbers (at least two lines and two columns, separated by "
@@ -172,22 +172,17 @@ def _is_number(field: str) -> bool:
     return bool(_NUMBER.match(field) or _DECIMAL_COMMA.match(field))
 
 
-def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
+def _read_header(above: list[str], delimiter: str, count: int) -> tuple[list[str], list[str]]:
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
     if rows and len(rows[-1]) == count and _holds_units(rows):
-        units = [field.strip("[]() ") for field in rows.pop()]
-    if not rows or len(rows[-1]) != count:
-        return tuple(str(number + 1) for number in range(count)), tuple(units)
-    names = []
-    for place, field in enumerate(rows[-1]):
+        units = rows.pop()
+    names = rows[-1] if rows and len(rows[-1]) == count else [""] * count
+    for place, field in enumerate(names):
         parts = _UNIT_AT_END.match(field[:LONGEST_NAME])
         if parts and parts[1] and not units[place]:
-            names.append(parts[1])
-            units[place] = parts[2].strip()
-        else:
-            names.append(field or str(place + 1))
-    return number_repeats(names), tuple("" if unit in ("-", "none") else unit for unit in units)
+            names[place], units[place] = parts[1], parts[2]
+    return [name or str(place) for place, name in enumerate(names, start=1)], units
 
 
 def _holds_units(rows: list[list[str]]) -> bool:
