@@ -14,7 +14,7 @@ from scipy.io import savemat
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import open_table, read
+from owtsweep.motion.recorded import describe, open_table, read
 from owtsweep.motion.recorded.formats.matlab import OLD, TYPES
 
 TIME = 0.1 * np.arange(400)
@@ -57,6 +57,7 @@ def test_vectors_and_matrices_become_channels(tmp_path: Path) -> None:
     assert len(table.load(("v",), 10)["v"]) == 10
     said = refusal(path, "time", "short")
     assert "channels differ in length (time 400, short 7)" in said
+    assert "short   no unit, 0 to 0.5" in describe(path)
 
 
 def test_the_room_for_recorded_motion_reads_them(tmp_path: Path) -> None:

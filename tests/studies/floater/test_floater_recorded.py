@@ -112,9 +112,7 @@ def test_each_wrong_file_is_told_in_one_line_that_helps(tmp_path: Path) -> None:
         kept = {name: each for name, each in (COLUMNS | columns).items() if each is not None}
         return write(tmp_path, kept)
 
-    assert "no column psi; it has time, x, y, z, phi, theta; name it by " in refusal(
-        changed(psi=None)
-    )
+    assert "no column psi; it has time, x, y, z, phi, theta; set " in refusal(changed(psi=None))
     assert (
         "no time column found among x, y, z, phi, theta, psi: set motion.columns=[time:NAME]"
         in refusal(changed(time=None))

@@ -130,7 +130,7 @@ def test_the_models_errors_are_those_of_the_section() -> None:
         (["record.settling=19"], r"record\.settling: 19 s leave 20 samples .* at least 100"),
         (["schemes=[AKF,FOO]"], r"schemes: there is no scheme 'FOO'; use AKF"),
         (["structure=nowhere.yaml"], r"nowhere\.yaml: there is no such file"),
-        (["wind.file=nowhere.csv"], r"wind\.file: nowhere\.csv cannot be read"),
+        (["wind.file=nowhere.csv"], r"nowhere\.csv: there is no such file"),
         (["sensors.inclinometers=[]", "sensors.accelerometers=[]"],
          r"sensors: sparse_theta_a has none, so no load at a cut \(F0, M0, F175, M175\)"),
         (["sensors.inclinometers=[]", "schemes=[AKF]"],

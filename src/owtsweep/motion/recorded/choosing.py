@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple, get_args
 
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.columns import PARTS, assign_roles, find, find_all, strip
-from owtsweep.motion.recorded.composing import PATTERNS, TRANSLATION, Hub, find_parts, keep_axes
+from owtsweep.motion.recorded.composing import ALONG, Hub
 from owtsweep.motion.recorded.formats.table import ChannelTable
 
 #: Which motion a user may ask for: the hub's, as far as the file holds it; the bending of the tower
@@ -19,56 +19,90 @@ from owtsweep.motion.recorded.formats.table import ChannelTable
 MotionKind = Literal["auto", "tower", "rigid", "platform"]
 WHOLE = {"x": "twrtptdxi", "y": "twrtptdyi"}
 GAUGES = {"x": r"twht\dtpxi", "y": r"twht\dtpyi"}
+#: role -> patterns of the channels' names; case and all but letters and digits are ignored.
+PATTERNS = {
+    "platform_surge": ("ptfmsurge", "ptfmtdxi", "platformsurge", "qsg"),
+    "platform_sway": ("ptfmsway", "ptfmtdyi", "platformsway", "qsw"),
+    "platform_roll": ("ptfmroll", "ptfmrdxi", "platformroll", "qr"),
+    "platform_pitch": ("ptfmpitch", "ptfmrdyi", "platformpitch", "qp"),
+    "platform_yaw": ("ptfmyaw", "ptfmrdzi", "platformyaw", "qy"),
+    "tower_x": ("yawbrtdxt", "ttdspfa", "yawbrtdxp", "towerx", "towertopx"),
+    "tower_y": ("yawbrtdyt", "ttdspss", "yawbrtdyp", "towery", "towertopy"),
+    "tower_z": ("yawbrtdzt", "ttdspax", "yawbrtdzp"),
+}
+#: Further names of the platform's angles beside a position: HAWC2's projected angles of a body,
+#: about the global axes, of which the first body is taken.
+ANGLES = {
+    "platform_roll": r"(staterot)?projangt?x.*global\d*",
+    "platform_pitch": r"(staterot)?projangt?y.*global\d*",
+}
 
 
 class Choice(NamedTuple):
-    """The channels chosen for the motion of the hub."""
+    """The channels chosen from a file, those for the motion of the hub among them."""
 
-    #: Channels of position_x, ... (reference_x, ... beside a specific force) or of `PARTS`.
-    roles: Mapping[str, str]
+    #: role -> channel: of position_x, ... (reference_x, ... beside a specific force) or of `PARTS`,
+    #: and of all other roles.
+    roles: dict[str, str]
     problem: str = ""  # why they do not give the motion, and what would work
     note: str = ""  # what the user should know about them
+    angles: Mapping[str, str] = {}  # role -> channel of angles that lean a platform
 
 
-def choose_channels(
-    table: ChannelTable,
-    given: Mapping[str, str | None],
-    hub: Hub,
-) -> tuple[dict[str, str], Choice]:
-    """Choose the channels of a file by their names: role -> channel, those of the hub's motion too.
+def choose_channels(table: ChannelTable, given: Mapping[str, str | None], hub: Hub) -> Choice:
+    """Choose the channels of a file by their names.
 
-    given: role -> channel, as the user says; it goes before the names.
+    given: role -> channel, as the user says; it goes before the names. None or "" leaves one out.
     Raises InputError as `columns.assign_roles`, or if `hub.motion` is unknown, or the user gives
     both a position and parts of it.
     """
-    chosen = assign_roles(table, given)
-    choice = _choose_motion(table.names, chosen, given, hub)
+    kinds = get_args(MotionKind)
+    require(hub.motion in kinds, f"columns.motion: {hub.motion!r} is none of {', '.join(kinds)}")
+    told = {role: str(name or "").strip() for role, name in given.items()}
+    chosen = assign_roles(table, told)
+    choice = _choose_motion(table.names, chosen, told, hub)
     use = begin_position(chosen)
     replaced = [*PARTS, f"{use}x", f"{use}y"] if choice.roles else [*PARTS]
     kept = {role: name for role, name in chosen.items() if role not in replaced}
-    return {**kept, **choice.roles}, choice
+    roles = {**kept, **choice.roles}
+    felt = "specific_force_x" in roles  # which holds the lean already
+    return choice._replace(roles=roles, angles={} if felt else _find_angles(table, roles, told))
+
+
+def _find_angles(
+    table: ChannelTable, roles: Mapping[str, str], told: Mapping[str, str]
+) -> dict[str, str]:
+    """Find the channels of the platform's roll and pitch.
+
+    The bare names are taken as a pair only, because a pitch alone may be that of the blades.
+    """
+    found = {
+        role: roles.get(role) or find(table.names, *PATTERNS[role], pattern)
+        for role, pattern in ANGLES.items()
+    }
+    bare = {role: find(table.names, role.removeprefix("platform_")) for role in found}
+    if all(bare.values()) and not any(found.values()):
+        found = bare
+    return {role: name for role, name in found.items() if name and told.get(role) != ""}
 
 
 def _choose_motion(
-    names: Sequence[str],
-    chosen: Mapping[str, str],
-    given: Mapping[str, str | None],
-    hub: Hub,
+    names: Sequence[str], chosen: Mapping[str, str], told: Mapping[str, str], hub: Hub
 ) -> Choice:
     motion, height = hub.motion, hub.tower_height
-    kinds = get_args(MotionKind)
-    require(motion in kinds, f"columns.motion: {motion!r} is none of {', '.join(kinds)}")
-    by_user = {role for role, name in given.items() if name and str(name).strip()}
-    out = [role for role in given if role not in by_user]
+    by_user = {role for role, name in told.items() if name}
+    out = told.keys() - by_user
     use = begin_position(chosen)
-    axes = [axis for axis in "xy" if f"position_{axis}" not in out and use + axis not in out]
-    parts = find_parts(names, chosen, out)
+    axes = [axis for axis in "xy" if not {f"position_{axis}", use + axis} & out]
+    unused = {role for axis in "xy" if axis not in axes for role in ALONG[axis][::2]} | out
+    found = {role: chosen.get(role) or find(names, *PATTERNS[role]) for role in PARTS}
+    parts = {role: name for role, name in found.items() if name and role not in unused}
     positions = [role for role in chosen if role.startswith(("position_", "reference_"))]
     if motion != "auto" or by_user.intersection(PARTS):
         if clash := sorted(by_user.intersection(positions)):
             what = f"columns.motion={motion}" if motion != "auto" else "parts of a motion"
             raise InputError(f"columns.{clash[0]}: it and {what} are given; give one of them")
-        return _choose_as_told(parts, axes, use, motion)
+        return _choose_as_told(parts, use, motion)
     if positions:
         return Choice({}, note=_note_on_position(names, chosen, parts))
     if use == "reference_" and len(axes) < 2:
@@ -84,13 +118,13 @@ def _choose_motion(
     return choice
 
 
-def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, motion: str) -> Choice:
+def _choose_as_told(parts: dict[str, str], use: str, motion: str) -> Choice:
+    if motion == "auto":
+        return Choice(parts)
     if motion == "rigid":
-        parts = {role: name for role, name in parts.items() if role.startswith("platform")}
-    if motion in ("auto", "rigid"):
-        return Choice(keep_axes(parts, axes))
-    role_of = TRANSLATION if motion == "platform" else {axis: f"tower_{axis}" for axis in "xy"}
-    roles = {use + axis: parts[role_of[axis]] for axis in axes if role_of[axis] in parts}
+        return Choice({role: name for role, name in parts.items() if role.startswith("platform")})
+    place = 0 if motion == "platform" else 2
+    roles = {use + axis: parts[role[place]] for axis, role in ALONG.items() if role[place] in parts}
     if not roles:
         wanted = "PtfmSurge" if motion == "platform" else "YawBrTDxt or TTDspFA"
         return Choice({}, problem=f"columns.motion={motion}: no channel such as {wanted}")
@@ -104,13 +138,13 @@ def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, mot
 
 def _choose_by_names(
     names: Sequence[str],
-    parts: Mapping[str, str],
+    parts: dict[str, str],
     axes: Sequence[str],
     use: str,
     tower_height: float | None,
 ) -> Choice:
     whole = {axis: name for axis, pattern in WHOLE.items() if (name := find(names, pattern))}
-    gauges = {axis: find_all(names, pattern) for axis, pattern in GAUGES.items()}
+    gauges = {axis: sorted(find_all(names, pattern)) for axis, pattern in GAUGES.items()}
     bending = {axis: parts[f"tower_{axis}"] for axis in "xy" if f"tower_{axis}" in parts}
     floats = any(role.startswith("platform") and role != "platform_yaw" for role in parts)
     alone = max(len(found) for found in gauges.values()) == 1
@@ -120,7 +154,7 @@ def _choose_by_names(
         taken = {axis: found[0] for axis, found in gauges.items() if found}
         note = _note_on_gauge(taken, composable=bool(bending) and floats)
     elif floats and (bending or not any(gauges.values())):
-        return Choice(keep_axes(parts, axes))
+        return Choice(parts)
     elif any(gauges.values()):
         found = gauges["x"] or gauges["y"]
         problem = (
@@ -145,9 +179,9 @@ def _note_on_position(
 ) -> str:
     taken = chosen.get("position_x") or chosen.get("reference_x") or ""
     platform = ", ".join(name for role, name in parts.items() if role.startswith("platform"))
-    if platform and strip(taken) in PATTERNS["tower_x"].split("|"):
+    if platform and strip(taken) in PATTERNS["tower_x"]:
         return f"{_note_on_bending([taken])}: the platform's motion ({platform}) is left out"
-    bodies = find_all(names, r"stateposx.*global\d*")
+    bodies = sorted(find_all(names, r"stateposx.*global\d*"))
     if taken in bodies and len(bodies) > 1:
         return (
             f"{taken} is the first of {len(bodies)} channels of that kind, one per body: is it the "

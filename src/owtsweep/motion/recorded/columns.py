@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from functools import lru_cache
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
 from owtsweep.motion.recorded.units import find_factor
@@ -90,23 +91,20 @@ NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 }
 
 
+@lru_cache(maxsize=1 << 14)
 def strip(name: str) -> str:
     """Return a name in lower case, with nothing but its letters and digits."""
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-def find(names: Sequence[str], pattern: str) -> str | None:
-    """Return the first channel that matches the alternatives of a pattern, earlier ones first."""
-    for part in pattern.split("|"):
-        for name in names:
-            if re.fullmatch(part, strip(name)):
-                return name
-    return None
+def find(names: Sequence[str], *patterns: str) -> str | None:
+    """Return the first channel whose name matches a pattern, earlier patterns first."""
+    return next((name for pattern in patterns for name in find_all(names, pattern)), None)
 
 
 def find_all(names: Sequence[str], pattern: str) -> list[str]:
-    """Return the channels whose names match a pattern, sorted."""
-    return sorted(name for name in names if re.fullmatch(pattern, strip(name)))
+    """Return the channels whose names match a pattern."""
+    return [name for name in names if re.fullmatch(pattern, strip(name))]
 
 
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
@@ -115,57 +113,43 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
     Both axes come from one pair of names; y may be missing. Beside a specific force, positions
     become the reference if there is none.
     """
-    bare = {name: strip(name) for name in names}
-
-    def first(pattern: str) -> str | None:
-        return next((name for name, text in bare.items() if re.fullmatch(pattern, text)), None)
-
-    roles: dict[str, str] = {}
-    time = next((hit for pattern in (*TIME_NAMES, "time.*") if (hit := first(pattern))), None)
-    if time is not None:
-        roles["time"] = time
+    roles: dict[str, str | None] = {"time": find(names, *TIME_NAMES, "time.*")}
     for quantity, pairs in NAME_PAIRS.items():
-        for along_x, along_y in pairs:
-            x, y = first(along_x), first(along_y)
-            if x is not None:
-                roles[f"{quantity}_x"] = x
-                if y is not None:
-                    roles[f"{quantity}_y"] = y
-                break
-    if "specific_force_x" in roles and "reference_x" not in roles:
+        pair = next((pair for pair in pairs if find(names, pair[0])), None)
+        for axis, pattern in zip("xy", pair or (), strict=bool(pair)):
+            roles[f"{quantity}_{axis}"] = find(names, pattern)
+    found = {role: name for role, name in roles.items() if name is not None}
+    if "specific_force_x" in found and "reference_x" not in found:
         for axis in "xy":
-            if f"position_{axis}" in roles:
-                roles[f"reference_{axis}"] = roles.pop(f"position_{axis}")
-    return roles
+            if f"position_{axis}" in found:
+                found[f"reference_{axis}"] = found.pop(f"position_{axis}")
+    return found
 
 
-def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[str, str]:
+def assign_roles(table: ChannelTable, given: Mapping[str, str]) -> dict[str, str]:
     """Assign channels to roles as given, and guess the other roles: return role -> channel.
 
-    `given` is role -> channel name; None or "" leaves a role out. If only one axis of a quantity is
-    given, the other is the channel whose name has y in place of x, if there is one.
+    `given` is role -> channel name; "" leaves a role out. If only one axis of a quantity is given,
+    the other is the channel whose name has y in place of x, if there is one.
 
     Raises InputError: for an unknown role, or a channel that the file does not have.
     """
     names = table.names
     chosen: dict[str, str] = {}
     for role, name in given.items():
-        where = f"columns.{role}"
-        if role not in ROLES:
-            raise InputError(f"{table.path}: {where}: no such role: use one of {', '.join(ROLES)}")
-        if name is not None and str(name).strip():
-            chosen[role] = find_channel(table, str(name).strip(), where)
-    taken = set(chosen.values())
-    for role, name in guess_roles([name for name in names if name not in taken]).items():
-        axes = (role, role[:-1] + OTHER.get(role[-1], ""))
-        if not any(axis in given for axis in axes):
+        listed = ", ".join(ROLES)
+        require(role in ROLES, f"{table.path}: columns.{role}: no such role: use one of {listed}")
+        if name:
+            chosen[role] = find_channel(table, name, f"columns.{role}")
+    told = dict(chosen)
+    for role, name in guess_roles([name for name in names if name not in told.values()]).items():
+        if role not in given and _other_axis(role) not in given:
             chosen[role] = name
-    for role, name in list(chosen.items()):
-        partner = role[:-1] + OTHER.get(role[-1], "")
-        if role in given and partner in ROLES and partner not in given:
-            channel = _find_partner(names, name, role[-1])
-            if channel is not None and channel not in chosen.values():
-                chosen[partner] = channel
+    for role, name in told.items():
+        partner = _other_axis(role)
+        channel = _find_partner(names, name, role[-1]) if partner in ROLES else None
+        if channel and partner not in given and channel not in chosen.values():
+            chosen[partner] = channel
     # beside fixes, and without a motion that they could belong to, accelerations are an IMU's
     felt = [role for role in chosen if role.startswith("acceleration_")]
     other = {"position_x", "specific_force_x"} & chosen.keys()
@@ -175,14 +159,18 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
     return chosen
 
 
+def _other_axis(role: str) -> str:
+    return role[:-1] + OTHER.get(role[-1], "")  # position_x becomes position_y
+
+
 def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
     swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
-    for place, letter in enumerate(name):
-        if letter in swap:
-            candidate = name[:place] + swap[letter] + name[place + 1 :]
-            if candidate in names:
-                return candidate
-    return None
+    turned = [
+        name[:place] + swap[letter] + name[place + 1 :]
+        for place, letter in enumerate(name)
+        if letter in swap
+    ]
+    return next((candidate for candidate in turned if candidate in names), None)
 
 
 def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
@@ -215,59 +203,64 @@ def list_names(table: ChannelTable) -> str:
     return ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
 
 
-def refuse_without_time(table: ChannelTable, setting: str) -> InputError:
-    """Return the error for a file without time; `setting` would name it."""
-    return InputError(
-        f"{table.path}: no time column found among {list_names(table)}: set {setting}"
-    )
+def refuse_without_time(table: ChannelTable, hint: str) -> InputError:
+    """Return the error for a file without time; `hint` says how to name it."""
+    return InputError(f"{table.path}: no time column found among {list_names(table)}: {hint}")
 
 
-def find_scale(
+def imply_unit(role: str, name: str) -> str:
+    """Return the unit that FAST always uses for a channel, e.g. "deg" for PtfmPitch; else ""."""
+    return "deg" if PARTS.get(role) == "angle" and strip(name).startswith("ptfm") else ""
+
+
+def find_factors(
     table: ChannelTable,
-    name: str,
-    dimension: str,
-    given: str | None,
+    columns: Mapping[str, str],
+    dimensions: Mapping[str, str],
+    given: Mapping[str, str | None],
     setting: str,
-    implied: str = "",
-) -> float | None:
-    """Return the factor to SI of a channel's unit; None if there is no unit.
+) -> dict[str, float | None]:
+    """Find the factors to SI of the units of channels: role -> factor, None if there is no unit.
 
-    What the user gives by `setting` goes before the file's unit, and this before an `implied` one.
-
-    Raises InputError if the unit is not known or is not of the dimension.
+    columns, dimensions: role -> channel, and what it holds. given: role -> unit as the user says by
+        `setting`, e.g. "units.ROLE". It goes before the file's unit, and this before the unit that
+        a channel of this name always has.
+    Raises InputError if a unit is not known or is not of the dimension.
     """
-    stated = table.unit(name) or implied
-    if dimension == "time" and stated == ISO_TIME:
-        if given:
-            raise InputError(
-                f"{table.path}: {setting}={given}: the times ({name}) are dates with a time of "
-                f"day, which become seconds; leave out {setting}"
+    factors: dict[str, float | None] = {}
+    for role, name in columns.items():
+        dimension, unit, key = dimensions[role], given.get(role), setting.replace("ROLE", role)
+        stated = table.unit(name) or imply_unit(role, name)
+        if dimension == "time" and stated == ISO_TIME:
+            require(
+                not unit,
+                f"{table.path}: {key}={unit}: the times ({name}) are dates with a time of day, "
+                f"which become seconds; leave out {key}",
             )
-        return 1.0
-    if given:
-        return find_factor(given, dimension, f"{table.path}: {setting}")
-    if not stated:
-        return None
-    try:
-        return find_factor(stated, dimension, f"{table.path}: channel {name} says its unit is")
-    except InputError as error:
-        raise InputError(f"{error}; or give the unit by {setting}") from None
+            factors[role] = 1.0
+        elif unit:
+            factors[role] = find_factor(unit, dimension, f"{table.path}: {key}")
+        elif stated:
+            said = f"{table.path}: channel {name} says its unit is"
+            factors[role] = find_factor(stated, dimension, said, f"; or give the unit by {key}")
+        else:
+            factors[role] = None
+    return factors
 
 
 def to_si(
-    loaded: Mapping[str, Array], names: Mapping[str, str], factors: Mapping[str, float]
+    loaded: Mapping[str, Array], columns: Mapping[str, str], factors: Mapping[str, float | None]
 ) -> dict[str, Array]:
     """Return role -> values in SI units, from channel -> values; infinite values become NaN.
 
     Arrays are changed in place, to save memory, unless a channel has two roles.
     """
     result: dict[str, Array] = {}
-    for role, name in names.items():
-        values = loaded[name]
-        if list(names.values()).count(name) > 1 or not values.flags.writeable:
-            values = values.copy()
+    for role, name in columns.items():
+        shared = list(columns.values()).count(name) > 1
+        values = loaded[name].copy() if shared else loaded[name]
         with np.errstate(over="ignore"):
-            values *= factors[role]
+            values *= factors[role] or 1.0
         values[~np.isfinite(values)] = np.nan
         result[role] = values
     return result

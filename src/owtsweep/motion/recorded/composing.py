@@ -14,7 +14,7 @@ OpenFAST 4.0. Before, it was the orthonormal matrix nearest to I + [a]x, a = (ro
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
@@ -23,31 +23,16 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded.columns import PARTS, find, strip
+from owtsweep.motion.recorded.columns import PARTS, imply_unit
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.units import find_factor
 
-#: role -> pattern of the channels' names; case and all but letters and digits are ignored.
-PATTERNS = {
-    "platform_surge": "ptfmsurge|ptfmtdxi|platformsurge|qsg",
-    "platform_sway": "ptfmsway|ptfmtdyi|platformsway|qsw",
-    "platform_roll": "ptfmroll|ptfmrdxi|platformroll|qr",
-    "platform_pitch": "ptfmpitch|ptfmrdyi|platformpitch|qp",
-    "platform_yaw": "ptfmyaw|ptfmrdzi|platformyaw|qy",
-    "tower_x": "yawbrtdxt|ttdspfa|yawbrtdxp|towerx|towertopx",
-    "tower_y": "yawbrtdyt|ttdspss|yawbrtdyp|towery|towertopy",
-    "tower_z": "yawbrtdzt|ttdspax|yawbrtdzp",
+#: Axis -> the platform's translation along it, the rotation by which a body leans along it, and the
+#: tower's bending.
+ALONG = {
+    "x": ("platform_surge", "platform_pitch", "tower_x"),
+    "y": ("platform_sway", "platform_roll", "tower_y"),
 }
-#: Further names of the platform's angles beside a position. HAWC2: projected angles of a body,
-#: about the global axes, of which the first body is taken.
-ANGLES = {
-    "platform_roll": PATTERNS["platform_roll"] + r"|(staterot)?projangt?x.*global\d*",
-    "platform_pitch": PATTERNS["platform_pitch"] + r"|(staterot)?projangt?y.*global\d*",
-}
-#: The rotation by which a body leans along each axis.
-TILT = {"x": "platform_pitch", "y": "platform_roll"}
-#: The translation of the platform's reference point along each axis.
-TRANSLATION = {"x": "platform_surge", "y": "platform_sway"}
 #: A platform whose channels vary by less than this does not move: 1 mm, and 1 mm at 100 m.
 LEAST = {"length": 1e-3, "angle": 1e-5}
 #: Names in FAST of the parts that are needed.
@@ -76,33 +61,11 @@ class Hub(NamedTuple):
     rotation: str  # of `Rotation`
 
 
-def find_parts(
-    names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
-) -> dict[str, str]:
-    """Find the channels of the parts of the motion, role -> channel: `chosen`, or guessed ones."""
-    found = {role: chosen.get(role) or find(names, PATTERNS[role]) for role in PARTS}
-    return {role: name for role, name in found.items() if name and role not in left_out}
-
-
-def find_angles(
-    names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
-) -> dict[str, str]:
-    """Find the channels of the platform's roll and pitch, as `find_parts`.
-
-    The bare names are taken as a pair only, because a pitch alone may be that of the blades.
-    """
-    found = {role: chosen.get(role) or find(names, ANGLES[role]) for role in TILT.values()}
-    bare = {role: find(names, role.removeprefix("platform_")) for role in found}
-    if all(bare.values()) and not any(found.values()):
-        found = bare
-    return {role: name for role, name in found.items() if name and role not in left_out}
-
-
 def find_leans(
     table: ChannelTable,
     loaded: Mapping[str, Array],
     names: Mapping[str, str],
-    factors: Mapping[str, float],
+    factors: Mapping[str, float | None],
 ) -> dict[str, tuple[str, Array | None]]:
     """Find the angles that lean a platform: axis -> channel and angle, as `Recording.leans`.
 
@@ -110,7 +73,7 @@ def find_leans(
         factor to SI of its unit.
     """
     leans: dict[str, tuple[str, Array | None]] = {}
-    for axis, role in TILT.items():
+    for axis, (_, role, _) in ALONG.items():
         name = names.get(role)
         if name is None or name not in loaded or find_extent(loaded[name]) == 0.0:
             continue
@@ -120,18 +83,6 @@ def find_leans(
                 factor = find_factor(unit, "angle", name)
         leans[axis] = (name, None if factor is None else factor * loaded[name])
     return leans
-
-
-def keep_axes(parts: Mapping[str, str], axes: Sequence[str]) -> dict[str, str]:
-    """Return the parts (role -> channel) without the translations of axes not in `axes`."""
-    others = [axis for axis in "xy" if axis not in axes]
-    unused = [role for axis in others for role in (TRANSLATION[axis], f"tower_{axis}")]
-    return {role: name for role, name in parts.items() if role not in unused}
-
-
-def imply_unit(role: str, name: str) -> str:
-    """Return the unit that FAST always uses for a channel, e.g. "deg" for PtfmPitch; else ""."""
-    return "deg" if PARTS.get(role) == "angle" and strip(name).startswith("ptfm") else ""
 
 
 def compose(
@@ -155,13 +106,13 @@ def compose(
     )
     platform = [role for role in values if role.startswith("platform")]
     moving = [role for role in platform if find_extent(values[role]) > LEAST[PARTS[role]]]
-    bends = {axis: f"tower_{axis}" for axis in "xy" if f"tower_{axis}" in values}
+    bends = {axis: role for axis, (_, _, role) in ALONG.items() if role in values}
     if not moving and bends and not rigid:
-        channels = {axis: values[role] for axis, role in bends.items()}
-        listed = " and ".join(names[role] for role in bends.values())
+        sources = {axis: names[role] for axis, role in bends.items()}
         still = f"the platform does not move ({', '.join(names[role] for role in platform)})"
+        listed = " and ".join(sources.values())
         note = f"{listed}: the displacement of the tower top from its base; {still}"
-        return channels, {axis: names[role] for axis, role in bends.items()}, note
+        return {axis: values[role] for axis, role in bends.items()}, sources, note
     axes = _find_axes(path, names, rigid=rigid)
     if hub.tower_height is None:
         other = "" if rigid else ", or take the tower's bending alone by columns.motion=tower"
@@ -172,18 +123,18 @@ def compose(
             f"columns.tower_height=87.6{other}"
         )
     channels = {axis: _add_up(values, axis, hub.tower_height, rotation) for axis in axes}
-    parts = {axis: (TRANSLATION[axis], TILT[axis], f"tower_{axis}") for axis in axes}
-    sources = {a: " + ".join(names[r] for r in roles if r in names) for a, roles in parts.items()}
-    matrix = _name_matrix(names, rotation)
-    return channels, sources, _state_formula(values, names, channels, hub.tower_height, matrix)
+    sources = {
+        axis: " + ".join(names[role] for role in ALONG[axis] if role in names) for axis in axes
+    }
+    note = _state_formula(values, names, channels, hub.tower_height, rotation)
+    return channels, sources, note
 
 
 def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str]:
     missing: dict[str, list[str]] = {}
-    for axis in "xy":
-        own = [TRANSLATION[axis]] + ([] if rigid else [f"tower_{axis}"])
-        if any(role in names for role in own):  # tilt alone says nothing of an axis
-            needed = [own[0], TILT[axis], *own[1:]]
+    for axis, roles in ALONG.items():
+        if roles[0] in names or roles[2] in names:  # tilt alone says nothing of an axis
+            needed = roles[:2] if rigid else roles
             missing[axis] = [role for role in needed if role not in names]
     lacking = [role for roles in missing.values() for role in roles]
     if lacking or not missing:
@@ -202,7 +153,7 @@ def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str
 
 def _add_up(values: Mapping[str, Array], axis: str, height: float, rotation: str) -> Array:
     turn = _turn_about_axes if rotation == "zyx" else _turn_by_small_angles
-    result = values[TRANSLATION[axis]].copy()
+    result = values[ALONG[axis][0]].copy()
     for begin in range(0, len(result), ROWS):
         rows = slice(begin, begin + ROWS)
         part = {role: values[role][rows] if role in values else np.zeros(1) for role in PARTS}
@@ -230,35 +181,32 @@ def _turn_by_small_angles(angles: Vector, v: Vector) -> tuple[Array, Array]:
     )
 
 
-def _name_matrix(names: Mapping[str, str], rotation: str) -> str:
-    angles = {axis: names.get(f"platform_{name}") for axis, name in
-              (("z", "yaw"), ("y", "pitch"), ("x", "roll"))}  # fmt: skip
-    if rotation == "zyx":
-        return " ".join(f"R{axis}({name})" for axis, name in angles.items() if name)
-    return f"the small-angle rotation of {', '.join(name for name in angles.values() if name)}"
-
-
 def _state_formula(
     values: Mapping[str, Array],
     names: Mapping[str, str],
     channels: Mapping[str, Array],
     height: float,
-    matrix: str,
+    rotation: str,
 ) -> str:
+    turns = {"z": "platform_yaw", "y": "platform_pitch", "x": "platform_roll"}
+    known = {axis: names[role] for axis, role in turns.items() if role in names}
+    matrix = f"the small-angle rotation of {', '.join(known.values())}"
+    if rotation == "zyx":
+        matrix = " ".join(f"R{axis}({name})" for axis, name in known.items())
     bending = ", ".join(names.get(f"tower_{axis}", "0") for axis in "xy")
     up = f"{height:g} m" + (f" + {names['tower_z']}" if "tower_z" in names else "")
-    sums = ", ".join(f"{axis} = {names[TRANSLATION[axis]]} + [R b]_{axis}" for axis in channels)
-    sizes = []
-    for axis in channels:
-        tilt = height * np.sin(values[TILT[axis]])
-        parts = {"platform": values[TRANSLATION[axis]], "tilt": tilt}
-        if f"tower_{axis}" in values:
-            parts["bending"] = values[f"tower_{axis}"]
+    sums, sizes = [], []
+    for axis, channel in channels.items():
+        translation, tilt, bend = ALONG[axis]
+        sums.append(f"{axis} = {names[translation]} + [R b]_{axis}")
+        parts = {"platform": values[translation], "tilt": height * np.sin(values[tilt])}
+        if bend in values:
+            parts["bending"] = values[bend]
         stated = ", ".join(f"{name} {np.nanstd(part):.3g}" for name, part in parts.items())
-        sizes.append(f"along {axis} {stated}, sum {np.nanstd(channels[axis]):.3g} m")
+        sizes.append(f"along {axis} {stated}, sum {np.nanstd(channel):.3g} m")
     return (
-        f"motion of the hub composed: {sums}, with b = ({bending}, {up}) and R = {matrix}; "
-        f"standard deviations {'; '.join(sizes)}"
+        f"motion of the hub composed: {', '.join(sums)}, with b = ({bending}, {up}) and R = "
+        f"{matrix}; standard deviations {'; '.join(sizes)}"
     )
 
 

@@ -14,11 +14,10 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import check_extent, check_time, describe_gaps, find_gaps
 from owtsweep.motion.recorded.choosing import choose_channels
-from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES
-from owtsweep.motion.recorded.composing import Hub, compose, imply_unit
+from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, find_factors, imply_unit
+from owtsweep.motion.recorded.composing import Hub, compose
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_VALUES, ChannelTable
-from owtsweep.motion.recorded.reading import find_factors
 from owtsweep.motion.recorded.recording import fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
 
@@ -56,16 +55,10 @@ def describe(
     if not loaded:
         table.load(table.names, most)  # says why
     hub = Hub(motion, tower_height, rotation)
-    mapping, choice = choose_channels(table, columns or {}, hub)
-    table = _with_units(table, mapping, units or {})
-    mapping = {role: name for role, name in mapping.items() if name in loaded}
-    time: Array | None = None
-    clock = "no time column found: set columns.time=CHANNEL"
-    if name := mapping.get("time"):
-        to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
-        clock = _describe_clock(table.path, name, to_seconds * loaded[name])
-        if len(loaded[name]) > 1 and np.all(np.diff(loaded[name]) > 0.0):
-            time = to_seconds * loaded[name]
+    choice = choose_channels(table, columns or {}, hub)
+    table = _with_units(table, choice.roles, units or {})
+    mapping = {role: name for role, name in choice.roles.items() if name in loaded}
+    clock, time = _describe_clock(table, mapping.get("time"), loaded)
     rows = max(map(len, loaded.values()), default=0)
     moved = choice.problem or choice.note
     if parts := {role: name for role, name in mapping.items() if role in PARTS}:
@@ -100,8 +93,8 @@ def _describe_parts(
     table: ChannelTable, names: Mapping[str, str], loaded: Mapping[str, Array], hub: Hub
 ) -> str:
     try:
-        factors, _ = find_factors(table, names, {})
-        values = {role: factors[role] * loaded[name] for role, name in names.items()}
+        factors = find_factors(table, names, ROLES, {}, "units.ROLE")
+        values = {role: (factors[role] or 1.0) * loaded[name] for role, name in names.items()}
         return compose(table.path, values, names, hub)[2]
     except InputError as error:
         return str(error).removeprefix(f"{table.path}: ")
@@ -128,20 +121,26 @@ def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, 
         return {**_load(table, names[:half], rows), **_load(table, names[half:], rows)}
 
 
-def _describe_clock(path: Path, name: str, time: Array) -> str:
+def _describe_clock(
+    table: ChannelTable, name: str | None, loaded: Mapping[str, Array]
+) -> tuple[str, Array | None]:
+    """Return the file's times in words, and in s, shape (n,), if they rise."""
+    if name is None:
+        return "no time column found: set columns.time=CHANNEL", None
+    to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
+    time = to_seconds * loaded[name]
+    rising = time if len(time) > 1 and np.all(np.diff(time) > 0.0) else None
     try:
-        check_time(path, name, time, fewest=2)
-        check_extent(path, f"time ({name})", time)
+        check_time(table.path, name, time, fewest=2)
+        check_extent(table.path, f"time ({name})", time)
     except InputError as error:
-        return str(error).removeprefix(f"{path}: ")
+        return str(error).removeprefix(f"{table.path}: "), rising
     comb = fit_comb(time)
     regular = "regular" if comb.uniform else f"irregular (up to {comb.jitter:.3g} s off)"
     if comb.rounded:
         regular += f" but for rounding to {comb.resolution:g} s"
-    return (
-        f"time ({name}): {time[0]:.6g} s to {time[-1]:.6g} s, every {comb.step:.6g} s "
-        f"({1 / comb.step:.6g} Hz), {regular}"
-    )
+    span = f"time ({name}): {time[0]:.6g} s to {time[-1]:.6g} s, every {comb.step:.6g} s"
+    return f"{span} ({1 / comb.step:.6g} Hz), {regular}", rising
 
 
 def _is_likely(unit: str, values: Array | None) -> bool:
@@ -163,6 +162,8 @@ def _describe_values(
         unit = f"{imply_unit(role, name) or DIMENSIONS[ROLES[role]][0]}?"
     there = np.isfinite(values)
     kept = values[there]
+    if time is not None and len(time) != len(values):  # MATLAB's variables may differ in length
+        time = None
     if len(kept) == 0:
         return f"{unit}, no value at all"
     if role == "time":

@@ -10,16 +10,16 @@ from pathlib import Path
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.checks import check_channels, check_time
-from owtsweep.motion.recorded.choosing import begin_position, choose_channels
+from owtsweep.motion.recorded.choosing import Choice, begin_position, choose_channels
 from owtsweep.motion.recorded.columns import (
     PARTS,
     ROLES,
-    find_scale,
+    find_factors,
     list_names,
     refuse_without_time,
     to_si,
 )
-from owtsweep.motion.recorded.composing import Hub, compose, find_angles, find_leans, imply_unit
+from owtsweep.motion.recorded.composing import Hub, compose, find_leans
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.recording import Recording
@@ -58,12 +58,12 @@ def read(
     require(gaps in GAPS, f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
     table = open_table(path)
     hub = Hub(motion, tower_height, rotation)
-    chosen, said = _assign_roles(table, columns or {}, hub)
-    factors, notes = find_factors(table, chosen, units or {})
-    out = [role for role, name in (columns or {}).items() if not (name and str(name).strip())]
-    angles = {} if "specific_force_x" in chosen else find_angles(table.names, chosen, out)
-    loaded = _load(table, chosen.values(), angles.values(), rows)
-    leans = find_leans(table, loaded, {**angles, **chosen}, factors)
+    choice = choose_channels(table, columns or {}, hub)
+    chosen, said = _require_motion(table, choice), choice.note
+    factors = find_factors(table, chosen, ROLES, units or {}, "units.ROLE")
+    notes = _note_units(chosen, factors, units or {})
+    loaded = _load(table, chosen.values(), choice.angles.values(), rows)
+    leans = find_leans(table, loaded, {**choice.angles, **chosen}, factors)
     channels = to_si(loaded, chosen, factors)
     del loaded
     time = channels.pop("time")
@@ -76,15 +76,41 @@ def read(
     return replace(recording, notes=told)
 
 
+def _require_motion(table: ChannelTable, choice: Choice) -> dict[str, str]:
+    """Return role -> channel, time first."""
+    if "time" not in choice.roles:
+        raise refuse_without_time(table, "set columns.time=NAME")
+    require(not choice.problem, f"{table.path}: {choice.problem}")
+    require(
+        bool(choice.roles.keys() - {"time", "yaw"}),
+        f"{table.path}: no channel with a known name among {list_names(table)}: set "
+        "columns.position_x=NAME or columns.specific_force_x=NAME (--describe shows what is there)",
+    )
+    return {"time": choice.roles["time"], **choice.roles}
+
+
 def _load(
     table: ChannelTable, needed: Iterable[str], wished: Iterable[str], rows: int | None
 ) -> Mapping[str, Array]:
     names = list(dict.fromkeys(needed))
-    more = [name for name in wished if name not in names]
-    if more:
-        with suppress(InputError):  # a file is not refused for a channel that nobody asked for
-            return table.load([*names, *more], rows)
+    with suppress(InputError):  # a file is not refused for a channel that nobody asked for
+        return table.load(list(dict.fromkeys([*names, *wished])), rows)
     return table.load(names, rows)
+
+
+def _note_units(
+    chosen: Mapping[str, str], factors: Mapping[str, float | None], units: Mapping[str, str | None]
+) -> list[str]:
+    for role in units:
+        require(role in ROLES, f"units.{role}: no such role: use one of {', '.join(ROLES)}")
+    assumed = [
+        f"{role} in {DIMENSIONS[ROLES[role]][0]}" for role in chosen if factors[role] is None
+    ]
+    notes = [f"units not in the file, taken as SI: {', '.join(assumed)}"] if assumed else []
+    unused = [f"units.{role}" for role, unit in units.items() if unit and role not in chosen]
+    if unused:
+        notes.append(f"without effect, no channel has this role: {', '.join(unused)}")
+    return notes
 
 
 def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub: Hub) -> str:
@@ -95,44 +121,3 @@ def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub
     channels |= {use + axis: moved for axis, moved in composed.items()}
     chosen |= {use + axis: source for axis, source in sources.items()}
     return note
-
-
-def _assign_roles(
-    table: ChannelTable, columns: Mapping[str, str | None], hub: Hub
-) -> tuple[dict[str, str], str]:
-    chosen, choice = choose_channels(table, columns, hub)
-    if "time" not in chosen:
-        raise refuse_without_time(table, "columns.time=NAME")
-    require(not choice.problem, f"{table.path}: {choice.problem}")
-    if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
-        raise InputError(
-            f"{table.path}: no channel with a known name among {list_names(table)}: set "
-            "columns.position_x=NAME or columns.specific_force_x=NAME (--describe shows what is "
-            "there)"
-        )
-    return {"time": chosen.pop("time"), **chosen}, choice.note
-
-
-def find_factors(
-    table: ChannelTable, chosen: Mapping[str, str], units: Mapping[str, str | None]
-) -> tuple[dict[str, float], list[str]]:
-    """Find the factor to SI of each role's unit; return role -> factor, and notes.
-
-    `chosen` maps roles to channels, and `units` maps roles to units as the user says.
-
-    Raises InputError if a role or a unit is not known, or a unit is of another dimension.
-    """
-    for role in units:
-        require(role in ROLES, f"units.{role}: no such role: use one of {', '.join(ROLES)}")
-    factors, assumed = {}, []
-    for role, name in chosen.items():
-        given, setting, implied = units.get(role), f"units.{role}", imply_unit(role, name)
-        scale = find_scale(table, name, ROLES[role], given, setting, implied)
-        factors[role] = 1.0 if scale is None else scale
-        if scale is None:
-            assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")
-    notes = [f"units not in the file, taken as SI: {', '.join(assumed)}"] if assumed else []
-    unused = [f"units.{role}" for role, unit in units.items() if unit and role not in chosen]
-    if unused:
-        notes.append(f"without effect, no channel has this role: {', '.join(unused)}")
-    return factors, notes

@@ -19,7 +19,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded import checks
 from owtsweep.motion.recorded.columns import (
     find_channel,
-    find_scale,
+    find_factors,
     guess_roles,
     list_names,
     refuse_without_time,
@@ -42,7 +42,7 @@ OTHER_STEP = 1e-3
 class Wanted:
     """The signals that a kind of file may have, besides time."""
 
-    key: str  # the key of the configuration with the items, e.g. "recorded.columns"
+    key: str  # the key of the configuration with the items, e.g. "recorded.columns"; "" if none
     dimension: Callable[[str], str | None]  # of `units.DIMENSIONS`; None if there is no such signal
     listed: str  # the signals in words
     needed: tuple[str, ...] = ()  # without these a file is refused
@@ -50,6 +50,10 @@ class Wanted:
     def knows(self, signal: str) -> bool:
         """Return whether a file may have a signal; time is one."""
         return signal == "time" or self.dimension(signal) is not None
+
+    def tell_name(self, signal: str) -> str:
+        """Say how to name the column of a signal."""
+        return f"set {self.key}=[{signal}:NAME]" if self.key else f"call its column {signal}"
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class Signals:
 def read_signals(
     path: str | Path,
     wanted: Wanted,
-    items: Sequence[str],
+    items: Sequence[str] = (),
     others: Sequence[tuple[ChannelTable, Wanted]] = (),
 ) -> Signals:
     """Read the signals of a file at uniform times, those of the file or near them.
@@ -148,11 +152,8 @@ def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> 
     columns, units = _find_columns(table, wanted, items)
     loaded = table.load(list(dict.fromkeys(columns.values())))
     dimensions = {s: "time" if s == "time" else str(wanted.dimension(s)) for s in columns}
-    factors = {}
-    for signal, name in columns.items():
-        setting = f"{wanted.key}=[{signal}:NAME:UNIT]"
-        scale = find_scale(table, name, dimensions[signal], units.get(signal), setting)
-        factors[signal] = 1.0 if scale is None else scale
+    setting = f"{wanted.key}=[ROLE:NAME:UNIT]" if wanted.key else "brackets behind its name"
+    factors = find_factors(table, columns, dimensions, units, setting)
     values = to_si(loaded, columns, factors)
     time = values.pop("time")
     for signal, each in values.items():
@@ -195,7 +196,7 @@ def _find_columns(
     if "time" not in columns:
         clock = guess_roles([name for name in table.names if name not in taken]).get("time")
         if clock is None:
-            raise refuse_without_time(table, f"{wanted.key}=[time:NAME]")
+            raise refuse_without_time(table, wanted.tell_name("time"))
         columns["time"] = clock
     for name in table.names:
         if name not in {*taken, columns["time"]} and wanted.knows(name):
@@ -204,7 +205,7 @@ def _find_columns(
     require(
         not missing,
         f"{table.path}: no column {' and no column '.join(missing[:3])}; it has "
-        f"{list_names(table)}; name it by {wanted.key}=[{missing[0] if missing else ''}:NAME]",
+        f"{list_names(table)}; {wanted.tell_name(''.join(missing[:1]))}",
     )
     return columns, units
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from owtsweep.errors import InputError
+from owtsweep.errors import require
 from owtsweep.gravity import STANDARD_GRAVITY
 
 DEGREE = math.pi / 180
@@ -62,18 +62,16 @@ def find_dimension(unit: str) -> str | None:
     return next((name for name, (_, table) in DIMENSIONS.items() if spelling in table), None)
 
 
-def find_factor(unit: str, wanted: str, argument: str) -> float:
+def find_factor(unit: str, wanted: str, argument: str, hint: str = "") -> float:
     """Return the factor from a unit to the SI unit of the dimension `wanted`, e.g. "length".
 
-    Raises InputError, which begins with `argument`, if the unit is unknown or of another dimension.
+    Raises InputError, from `argument` to `hint`, if the unit is unknown or of another dimension.
     """
     si, table = DIMENSIONS[wanted]
-    spelling = normalise_unit(unit)
-    if spelling in table:
-        return table[spelling]
-    other = find_dimension(unit)
-    if other is None:
-        reason = "is not a unit known here"
-    else:
-        reason = f"is a unit of {other}, not of {wanted}"
-    raise InputError(f"{argument}: {unit!r} {reason}: use one of {', '.join(table)} (SI: {si})")
+    spelling, other = normalise_unit(unit), find_dimension(unit)
+    reason = f"is a unit of {other}, not of {wanted}" if other else "is not a unit known here"
+    require(
+        spelling in table,
+        f"{argument}: {unit!r} {reason}: use one of {', '.join(table)} (SI: {si}){hint}",
+    )
+    return table[spelling]

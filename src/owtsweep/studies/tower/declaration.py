@@ -30,6 +30,7 @@ from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import make_setting
 from owtsweep.studies.tower.sight import require_sight
+from owtsweep.studies.tower.wind import read_file
 
 logger = logging.getLogger(__name__)
 
@@ -152,6 +153,8 @@ def _warn(config: TowerConfig) -> None:
         logger.info("%s", line)
     if config.recorded.file is not None:
         read_record(config.recorded).found.log_notes()
+    if config.wind.file is not None:
+        read_file(config.wind.file).log_notes()
     warn_of_few_inclinometers(config)
 
 

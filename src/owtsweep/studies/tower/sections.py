@@ -63,7 +63,7 @@ class Wind(Section):
     damping: NotNegative = key("aerodynamic damping fore-aft, at the top", unit="N s/m")
     side_damping: NotNegative = key("aerodynamic damping side-side, at the top", unit="N s/m")
     file: str | None = key(
-        "CSV of recorded loads in place of the numbers above, with the columns time, thrust, "
+        "table of recorded loads in place of the numbers above, with the columns time, thrust, "
         "moment, side, side_moment; null: none",
         default=None,
     )

@@ -11,11 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
+from owtsweep.errors import require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.lines import sample_periodic
-from owtsweep.motion.recorded.checks import require_possible
-from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.motion.recorded import Signals, Wanted, read_signals
 from owtsweep.streams import Streams
 from owtsweep.studies.tower.sections import TopLoad, Wind
 
@@ -25,6 +24,8 @@ LENGTH_SCALE = 8.1 * 42.0
 LINE_WIDTH = 0.02
 #: Names of the loads, in the order of the columns: force and moment, fore-aft, then side-side.
 NAMES = ("thrust", "moment", "side", "side_moment")
+DIMENSIONS = dict(zip(NAMES, ("force", "moment", "force", "moment"), strict=True))
+WANTED = Wanted("", DIMENSIONS.get, ", ".join(NAMES), NAMES)
 
 
 def make_top_loads(wind: Wind, draws: Streams, *, steps: int, step: float, lead: int = 0) -> Array:
@@ -66,42 +67,22 @@ def _draw(
     return load.mean + sample_periodic(bins, steps, lead)
 
 
+def read_file(file: str) -> Signals:
+    """Read the file of recorded loads; errors are those of `read_signals`."""
+    return read_signals(expand_home(file), WANTED)
+
+
 def read_loads(file: str, *, steps: int, step: float) -> Array:
     """Read loads, interpolated linearly at the samples of a record, (steps, 4) as `NAMES`.
 
-    `file` is a CSV file with a line of names: time (s), and the loads (N, N m). The record begins
-    at the file's first time; `step` is in s. Raise `InputError` if the file cannot be read, lacks a
-    column, holds something else than finite numbers or an absurdly large one, its times do not
-    rise, or it is shorter than the record.
+    The record begins at the file's first time; `step` is in s. Raise `InputError` as
+    `read_file`, or if the file is shorter than the record.
     """
-    import pandas as pd
-
-    path = expand_home(file)
-    try:
-        with TextStream(path) as stream:  # refuses devices, and what unpacks to too much
-            table = pd.read_csv(stream)
-    except (OSError, ValueError) as error:
-        raise InputError(f"wind.file: {file} cannot be read ({error})") from None
-    missing = [name for name in ("time", *NAMES) if name not in table.columns]
-    require(not missing, f"wind.file: {file} lacks the columns {', '.join(missing)}")
-    values = table[["time", *NAMES]].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
-    require(len(values) > 0, f"wind.file: {file} holds no row of numbers below its names")
-    bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
-    require(
-        len(bad) == 0,
-        f"wind.file: {file} has no number in line {bad[0] + 2 if len(bad) else 0}; remove or "
-        "fill such lines",
-    )
-    for name, column in zip(NAMES, values[:, 1:].T, strict=True):
-        require_possible(
-            f"wind.file: {file}: column {name}", column, "check its unit, N or N m", load=True
-        )
-    time = values[:, 0] - values[0, 0]
-    require(bool(np.all(np.diff(time) > 0.0)), f"wind.file: times of {file} do not rise")
-    length = (steps - 1) * step
+    found = read_file(file)
+    time, length = found.time - found.time[0], (steps - 1) * step
     require(
         time[-1] >= length * (1.0 - 1e-9),
         f"wind.file: {file} holds {time[-1]:g} s, but record.duration asks for {length + step:g} s",
     )
     at = step * np.arange(steps)
-    return np.stack([np.interp(at, time, column) for column in values[:, 1:].T], axis=1)
+    return np.stack([np.interp(at, time, found.values[name]) for name in NAMES], axis=1)
