@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import LARGEST_VALUE
-from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.motion.recorded.formats.streams import read_chunks
 from owtsweep.motion.recorded.formats.table import number_repeats, refuse_damaged, tidy
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import FACTS
@@ -36,8 +36,7 @@ def read_table(path: str) -> pd.DataFrame:
 
     where = f"replay.table: {path}"
     try:
-        with TextStream(Path(path)) as stream:
-            raw = stream.read(MOST_BYTES + 1)
+        raw = next(read_chunks(Path(path), MOST_BYTES + 1), b"")
     except InputError as error:
         raise InputError(f"replay.table: {error}") from None
     require(len(raw) <= MOST_BYTES, f"{where}: the table is larger than {MOST_BYTES / 1e6:g} MB")

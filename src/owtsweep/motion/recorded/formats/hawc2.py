@@ -84,10 +84,8 @@ def _read_selection(sel: Path) -> Selection:
             raise ValueError(kind)
         if scans < 1 or not 0 < count == len(rows) or not 0.0 < duration < math.inf:
             raise ValueError(f"{len(rows)} lines of channels")
-    require(
-        factors is None or len(factors) == count,
-        f"{sel}: has {np.size(factors)} scale factors for {count} channels",
-    )
+    if factors is not None and len(factors) != count:
+        raise InputError(f"{sel}: has {len(factors)} scale factors for {count} channels")
     names, units = [row[NAME].strip() for row in rows], [row[UNIT] for row in rows]
     return Selection(scans, names, units, factors, duration)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable, require
-from owtsweep.motion.recorded.formats.streams import TextStream, read_blocks
+from owtsweep.motion.recorded.formats.streams import read_blocks, read_chunks
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged, shorten
 from owtsweep.motion.recorded.formats.text_layout import (
     ISO_PATTERN,
@@ -54,8 +54,7 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    with TextStream(path) as stream:
-        raw = stream.read(HEAD)
+    raw = next(read_chunks(path, HEAD), b"")
     require(raw.strip() != b"", f"{path}: is empty")
     utf_16 = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     require(not utf_16, f"{path}: is text in UTF-16; save it as UTF-8")
