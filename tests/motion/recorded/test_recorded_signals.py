@@ -77,7 +77,7 @@ def test_up_to_four_missing_rows_are_filled_and_more_refused(tmp_path: Path) -> 
     assert found.values["x"] == pytest.approx(move(TIME), abs=5e-3)
     assert found.notes == ("5 rows are missing: filled by cubic spline",)
     told = refusal(write(tmp_path / "r.csv", np.delete(TIME, range(100, 105))))
-    assert "time (time) has gaps longer than 5 steps of 0.05 s: 4.95 s to 5.25 s; cut" in told
+    assert "time (time) has gaps longer than 0.25 s: 4.95 s to 5.25 s; cut" in told
 
 
 def test_a_replay_bears_the_same_gaps(tmp_path: Path) -> None:

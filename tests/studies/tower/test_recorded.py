@@ -111,7 +111,7 @@ def test_bad_columns_are_told_in_one_line(tmp_path):
     late[20:] += 0.06
     holes[[7, 9]] = np.nan
     for columns, told in (
-        ({"time": late, "a_12": ramp}, r"time .time. has gaps longer than 5 steps of 0.01 s: 0.19"),
+        ({"time": late, "a_12": ramp}, r"time .time. has gaps longer than 0.05 s: 0.19"),
         ({"time": TIME[::-1], "a_12": ramp}, "goes backwards in data row 2"),
         ({"time": holes, "a_12": ramp}, r"time .time. is missing in data row 8"),
         ({"time": TIME, "a_12": holes}, r"a_12 .channel a_12. has no number in data row 8 .2"),

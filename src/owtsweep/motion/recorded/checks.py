@@ -97,6 +97,29 @@ def describe_missing(name: str, values: Array) -> str:
     return f"{name} has no number in data row {rows[0] + 1} {more}" if len(rows) else ""
 
 
+def refuse_gaps(where: str, time: Array, least: float, hint: str = "") -> None:
+    """Raise `InputError` if rising times (s) have gaps of more than `WIDEST` steps and `least`."""
+    if wide := find_gaps(time, WIDEST + 0.5, least):
+        longest = max(least, WIDEST * float(np.median(np.diff(time))))
+        raise InputError(
+            f"{where} has gaps longer than {longest:.3g} s: {describe_gaps(wide)}; cut the record "
+            f"at the gaps{hint}"
+        )
+
+
+def check_extent(where: str, time: Array) -> None:
+    """Raise `InputError` if a regular grid over rising times (s) has too many steps."""
+    span, interval = time[-1] - time[0], np.median(np.diff(time))
+    with np.errstate(over="ignore"):
+        steps = float(span / interval) + 1.0
+    require(
+        steps <= MOST_STEPS,
+        f"{where} spans {span:.3g} s at intervals of {interval:.3g} s: a regular grid would have "
+        f"{steps:.3g} steps ({8e-9 * steps:.3g} GB per channel), and at most {MOST_STEPS} are "
+        "allowed; does the time jump?",
+    )
+
+
 def check_channels(recording: Recording, gaps: str) -> list[str]:
     """Check every channel of a recording, and return notes for the user.
 
@@ -107,95 +130,77 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
     notes: list[str] = []
     for role, values in recording.channels.items():
         name = f"{role} (channel {recording.names[role]})"
-        count, where = int(np.isfinite(values).sum()), f"{recording.path}: {name}"
-        require(count > 0, f"{where} has no value at all")
+        where = f"{recording.path}: {name}"
+        time, there = recording.series(role)
+        require(len(there) > 0, f"{where} has no value at all")
         if role == "yaw":
             continue
-        sparse = role.startswith(("fix", "reference"))
+        quantity = role.rsplit("_", 1)[0]
+        sparse = quantity in ("fix", "reference")
         fewest = 2 if sparse else FEWEST_SAMPLES
-        require(count >= fewest, f"{where} has {count} values; at least {fewest} are needed")
-        time, there = recording.series(role)
+        require(
+            len(there) >= fewest, f"{where} has {len(there)} values; at least {fewest} are needed"
+        )
         require_possible(where, there, f"check units.{role}, and mark missing values as NaN")
-        if not role.startswith("fix"):
-            check_extent(recording.path, name, time)
-        notes += _check_sampling(recording.path, role, name, time, gaps)
-        if not sparse and (missing := describe_missing(name, values)):
-            notes.append(f"{missing}: filled by cubic spline")
-        notes += _check_size(recording.path, role, name, time, there)
+        if quantity != "fix":
+            check_extent(where, time)
+        if sparse:
+            notes += _describe_holes(quantity, time)
+        else:
+            notes += _check_sampling(where, quantity, time, gaps)
+            if missing := describe_missing(name, values):
+                notes.append(f"{missing}: filled by cubic spline")
+        notes += _check_size(where, name, role, time, there)
     return list(dict.fromkeys(notes))
 
 
-def check_extent(path: Path, name: str, time: Array) -> None:
-    """Raise `InputError` if a regular grid over rising times (s) has too many steps."""
-    span, interval = time[-1] - time[0], np.median(np.diff(time))
-    with np.errstate(over="ignore"):
-        steps = float(span / interval) + 1.0
-    require(
-        steps <= MOST_STEPS,
-        f"{path}: {name} spans {span:.3g} s at intervals of {interval:.3g} s: a regular grid would "
-        f"have {steps:.3g} steps ({8e-9 * steps:.3g} GB per channel), and at most {MOST_STEPS} "
-        "are allowed; does the time jump?",
-    )
+def _describe_holes(quantity: str, time: Array) -> list[str]:
+    if not (holes := find_gaps(time)):
+        return []
+    longest = max(end - start for start, end in holes)
+    listed = describe_gaps(holes)
+    return [f"{quantity}: {len(holes)} gap(s), the longest {longest:.3g} s, at {listed}"]
 
 
-def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) -> list[str]:
+def _check_sampling(where: str, quantity: str, time: Array, gaps: str) -> list[str]:
     notes = []
-    force = role.startswith("specific_force")
-    step = np.diff(time)
-    median = float(np.median(step))
+    median = float(np.median(np.diff(time)))
     require(
-        not force or 1.0 / median >= LOWEST_IMU_RATE,
-        f"{path}: {name} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or "
-        "more; if times are in milliseconds, set units.time=ms",
+        quantity != "specific_force" or 1.0 / median >= LOWEST_IMU_RATE,
+        f"{where} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or more; if "
+        "times are in milliseconds, set units.time=ms",
     )
-    holes = find_gaps(time)
-    sparse = role.startswith(("fix", "reference"))
-    quantity = role.rsplit("_", 1)[0]
-    if holes and sparse:
-        longest = max(end - start for start, end in holes)
-        notes.append(
-            f"{quantity}: {len(holes)} gap(s), the longest {longest:.3g} s, at "
-            f"{describe_gaps(holes)}"
-        )
-    elif gaps == "refuse" and (wide := find_gaps(time, WIDEST + 0.5)):
-        raise InputError(
-            f"{path}: {name} has gaps longer than {max(LONGEST_GAP, WIDEST * median):.3g} s: "
-            f"{describe_gaps(wide)}; cut the record at the gaps, or use gaps=interpolate"
-        )
-    elif holes:
+    if gaps == "refuse":
+        refuse_gaps(where, time, LONGEST_GAP, ", or use gaps=interpolate")
+    if holes := find_gaps(time):
         notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")
-    if not sparse:
-        comb = fit_comb(time)
-        if not comb.uniform:
-            notes.append(f"{quantity}: {describe_jitter(comb, median)}")
-        elif comb.rounded:
-            notes.append(
-                f"{quantity}: times rounded to {comb.resolution:g} s, taken as every "
-                f"{comb.step:.6g} s"
-            )
-        if not force and 1.0 / median < 2.0:
-            notes.append(
-                f"{quantity} comes at {1.0 / median:.3g} Hz: motion above "
-                f"{0.4 / median:.3g} Hz is not in it"
-            )
+    comb = fit_comb(time)
+    if not comb.uniform:
+        notes.append(f"{quantity}: {describe_jitter(comb, median)}")
+    elif comb.rounded:
+        rounded = f"times rounded to {comb.resolution:g} s, taken as every {comb.step:.6g} s"
+        notes.append(f"{quantity}: {rounded}")
+    if quantity != "specific_force" and 1.0 / median < 2.0:
+        lost = f"motion above {0.4 / median:.3g} Hz is not in it"
+        notes.append(f"{quantity} comes at {1.0 / median:.3g} Hz: {lost}")
     return notes
 
 
-def _check_size(path: Path, role: str, name: str, time: Array, values: Array) -> list[str]:
+def _check_size(where: str, name: str, role: str, time: Array, values: Array) -> list[str]:
     if role.startswith("specific_force"):
         mean = float(np.mean(values))
         require(
             abs(mean) <= LARGEST_MEAN_FORCE,
-            f"{path}: {name} has the mean {mean:.4g} m/s^2, as if it measured gravity (9.81): it "
-            f"must be a horizontal axis; check columns.{role} and units.{role}",
+            f"{where} has the mean {mean:.4g} m/s^2, as if it measured gravity (9.81): it must be "
+            f"a horizontal axis; check columns.{role} and units.{role}",
         )
     elif role.startswith(("position", "fix", "reference")):
         jump = np.abs(np.diff(values))
         row = int(np.argmax(jump))
         require(
             jump[row] <= LARGEST_JUMP,
-            f"{path}: {name} jumps by {jump[row]:.4g} m at {time[row + 1]:.6g} s: check "
-            f"units.{role} and mark missing values as NaN",
+            f"{where} jumps by {jump[row]:.4g} m at {time[row + 1]:.6g} s: check units.{role} and "
+            "mark missing values as NaN",
         )
         extent = float(np.ptp(values))
         if extent > LARGEST_RANGE:

@@ -213,4 +213,5 @@ def _state_formula(
 def find_extent(values: Array) -> float:
     """Return the range of the finite values, shape (n,); 0 if there are none."""
     there = values[np.isfinite(values)]
-    return float(np.ptp(there)) if len(there) else 0.0
+    with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
+        return float(np.ptp(there)) if len(there) else 0.0

@@ -49,7 +49,7 @@ def to_motion(
         )
     grid = grid or gridding.find_common_grid(recording, roles, rate)
     sources = {role: gridding.make_uniform(recording, role) for role in roles}
-    rates = [grid.rate, *(1.0 / step for _, step, _ in sources.values())]
+    rates = [grid.rate, *(1.0 / comb.step for _, comb, _ in sources.values())]
     highest = gridding.FULL_BAND * min(rates)
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
@@ -65,8 +65,8 @@ def to_motion(
         if role not in sources:
             notes.append(f"no {role}: that axis is at rest")
             continue
-        (start, values), step, holes = sources.pop(role)
-        function = gridding.BandLimited(values, start, step, chosen, grid.rate)
+        values, comb, holes = sources.pop(role)
+        function = gridding.BandLimited(values, comb.start, comb.step, chosen, grid.rate)
         del values
         for order, name in enumerate(names):
             given = f"{name}_{axis}"
@@ -75,9 +75,9 @@ def to_motion(
                 recorded = gridding.to_grid(recording, given, grid)
                 notes.append(_describe_mismatch(given, recorded, derived))
                 derived = recorded
+            if quantity == "reference" and holes:
+                derived[gridding.mark_inside(grid.time, holes)] = np.nan
             pairs[name][:, column] = derived
-            if quantity == "reference":
-                gridding.mark_gaps(pairs[name][:, column], grid, holes)
     return gridding.Gridded(grid, pairs, chosen, tuple(notes))
 
 
@@ -101,14 +101,15 @@ def find_clear_band(recording: Recording, rate: float) -> float:
     found = MOTION_CUTOFF
     for role in (role for role in recording.channels if role.startswith("reference")):
         rate = min(rate, recording.rate(role))
-        (_, values), step, _ = gridding.make_uniform(recording, role)
-        if gridding.FULL_BAND / step <= MOTION_CUTOFF or len(values) < SEGMENT:
+        values, comb, _ = gridding.make_uniform(recording, role)
+        highest = gridding.FULL_BAND / comb.step
+        if highest <= MOTION_CUTOFF or len(values) < SEGMENT:
             continue
         used = values[:MOST_SAMPLES]
-        frequency, density = welch(used, 1.0 / step, nperseg=SEGMENT, detrend="linear")
-        noise = np.median(density[frequency > gridding.FULL_BAND / step])
-        kept = (frequency > MOTION_CUTOFF) & (frequency <= gridding.FULL_BAND / step)
+        frequency, density = welch(used, 1.0 / comb.step, nperseg=SEGMENT, detrend="linear")
+        noise = np.median(density[frequency > highest])
+        kept = (frequency > MOTION_CUTOFF) & (frequency <= highest)
         drowned = np.flatnonzero(kept & (density <= CLEAR * noise))
-        clear = frequency[drowned[0] - 1] if len(drowned) else gridding.FULL_BAND / step
+        clear = frequency[drowned[0] - 1] if len(drowned) else highest
         found = max(found, float(clear))
     return min(found, gridding.FULL_BAND * rate)

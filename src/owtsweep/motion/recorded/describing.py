@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import check_extent, check_time, describe_gaps, find_gaps
 from owtsweep.motion.recorded.choosing import choose_channels
 from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, find_factors, imply_unit
-from owtsweep.motion.recorded.composing import Hub, compose
+from owtsweep.motion.recorded.composing import Hub, compose, find_extent
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_VALUES, ChannelTable
 from owtsweep.motion.recorded.recording import fit_comb
@@ -68,12 +68,12 @@ def describe(
     lines = [f"{shown}: {table.format}, {len(table.names)} channels, {counted}", clock]
     lines += [f"note: {note}" for note in dict.fromkeys(table.notes)]
     told = partial(_describe_values, table, loaded, time)
+    title = "No channel has a well-known name: set columns.time=... and others."
     if mapping:
-        lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
-        width = max(map(len, mapping.values()))
-        lines += [f"  {r:<17} = {name:<{width}}  {told(name, r)}" for r, name in mapping.items()]
-    else:
-        lines += ["", "No channel has a well-known name: set columns.time=... and others."]
+        title = "Guess of the mapping (change one by columns.ROLE=CHANNEL):"
+    width = max(map(len, mapping.values()), default=0)
+    lines += ["", title]
+    lines += [f"  {r:<17} = {name:<{width}}  {told(name, r)}" for r, name in mapping.items()]
     if moved:
         lines += ["", *wrap(f"What moved: {moved}", WIDTH, break_on_hyphens=False)]
     others = [name for name in table.names if name not in mapping.values()]
@@ -82,10 +82,9 @@ def describe(
         lines += ["", "Others that could be motion or force, by their unit:"]
         width = max(map(len, likely[:MOST_LIKELY]))
         lines += [f"  {name:<{width}}  {told(name)}" for name in likely[:MOST_LIKELY]]
-        lines += _wrap(f"{name} ({table.unit(name)})" for name in likely[MOST_LIKELY:])
+        lines += _list_names(table, likely[MOST_LIKELY:])
     if rest := [name for name in others if name not in likely]:
-        lines += ["", "The rest:"]
-        lines += _wrap(f"{name} ({u})" if (u := table.unit(name)) else name for name in rest)
+        lines += ["", "The rest:", *_list_names(table, rest)]
     return "\n".join(lines)
 
 
@@ -132,7 +131,7 @@ def _describe_clock(
     rising = time if len(time) > 1 and np.all(np.diff(time) > 0.0) else None
     try:
         check_time(table.path, name, time, fewest=2)
-        check_extent(table.path, f"time ({name})", time)
+        check_extent(f"{table.path}: time ({name})", time)
     except InputError as error:
         return str(error).removeprefix(f"{table.path}: "), rising
     comb = fit_comb(time)
@@ -144,10 +143,9 @@ def _describe_clock(
 
 
 def _is_likely(unit: str, values: Array | None) -> bool:
-    if values is None or not np.isfinite(values).any():
+    if values is None or find_extent(values) == 0.0:
         return False
-    kept = values[np.isfinite(values)]
-    return kept.min() < kept.max() and (not unit or find_dimension(unit) in QUANTITIES.values())
+    return not unit or find_dimension(unit) in QUANTITIES.values()
 
 
 def _describe_values(
@@ -162,8 +160,6 @@ def _describe_values(
         unit = f"{imply_unit(role, name) or DIMENSIONS[ROLES[role]][0]}?"
     there = np.isfinite(values)
     kept = values[there]
-    if time is not None and len(time) != len(values):  # MATLAB's variables may differ in length
-        time = None
     if len(kept) == 0:
         return f"{unit}, no value at all"
     if role == "time":
@@ -172,17 +168,21 @@ def _describe_values(
         mean, deviation = kept.mean(), kept.std()
     text = f"{unit}, {kept.min():.4g} to {kept.max():.4g}, mean {mean:.4g}, "
     text += f"deviation {deviation:.3g}"
-    if time is not None and len(kept) > 1:
-        text += f", {1.0 / float(np.median(np.diff(time[there]))):.4g} Hz"
+    at = np.empty(0)
+    if time is not None and len(time) == len(values):  # MATLAB's may differ in length
+        at = time[there]
+    if len(at) > 1:
+        text += f", {1.0 / float(np.median(np.diff(at))):.4g} Hz"
     if missing := len(values) - len(kept):
         text += f", {missing} missing"
-    if time is not None and (gaps := find_gaps(time[there], 10.0)):
+    if len(at) > 1 and (gaps := find_gaps(at, 10.0)):
         text += f", {len(gaps)} gap(s): {describe_gaps(gaps, 2)}"
     return text
 
 
-def _wrap(words: Iterable[str]) -> list[str]:
-    # at most `WIDTH` characters, broken only between words
+def _list_names(table: ChannelTable, names: Sequence[str]) -> list[str]:
+    """Return names and units in lines of at most `WIDTH` characters, broken between names."""
+    words = [f"{name} ({unit})" if (unit := table.unit(name)) else name for name in names]
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

@@ -152,25 +152,24 @@ def to_grid(recording: Recording, role: str, grid: TimeGrid) -> Array:
     of it removed; samples on the grid are not changed. Irregular times and missing samples are
     first interpolated (`fill`).
     """
-    (start, values), step, _ = make_uniform(recording, role)
-    first = (grid.start - start) / step
+    values, comb, _ = make_uniform(recording, role)
+    first = (grid.start - comb.start) / comb.step
     place = round(first)
-    drift = abs(step * grid.rate - 1.0) * grid.steps
+    drift = abs(comb.step * grid.rate - 1.0) * grid.steps
     if abs(first - place) + drift <= 1e-3 and 0 <= place <= len(values) - grid.steps:
         return values[place : place + grid.steps]
-    function = BandLimited(values, start, step, FULL_BAND * min(1.0 / step, grid.rate), grid.rate)
+    cutoff = FULL_BAND * min(1.0 / comb.step, grid.rate)
+    function = BandLimited(values, comb.start, comb.step, cutoff, grid.rate)
     return function.on_grid(grid.start, grid.rate, grid.steps)
 
 
-def make_uniform(
-    recording: Recording, role: str
-) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
-    """Return a channel as uniform samples, gaps filled: (start, samples), step, gaps."""
+def make_uniform(recording: Recording, role: str) -> tuple[Array, Comb, list[tuple[float, float]]]:
+    """Return a channel at the teeth of the comb of its times, the comb, and the gaps, filled."""
     time, values = recording.series(role)
-    comb, holes = fit_comb(time), find_gaps(time)
-    if comb.uniform and comb.count == len(time):
-        return (comb.start, values), comb.step, holes
-    return (comb.start, fill(time, values, comb)), comb.step, holes
+    comb = fit_comb(time)
+    if not (comb.uniform and comb.count == len(time)):
+        values = fill(time, values, comb)
+    return values, comb, find_gaps(time)
 
 
 def fill(time: Array, values: Array, comb: Comb) -> Array:
@@ -185,21 +184,16 @@ def fill(time: Array, values: Array, comb: Comb) -> Array:
     at = comb.start + comb.step * comb.number if comb.uniform else time
     filled = np.asarray(CubicSpline(at, values)(teeth))
     if holes := find_gaps(time):
-        inside = _mark_inside(teeth, holes)
+        inside = mark_inside(teeth, holes)
         filled[inside] = PchipInterpolator(at, values)(teeth[inside])
     if comb.uniform:
         filled[comb.number.astype(np.int64)] = values
     return filled
 
 
-def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
+def mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Return which rising times, (n,) in s, are inside gaps, each (start, end) in s."""
     result = np.zeros(len(time), dtype=bool)
     for start, end in holes:
         result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
     return result
-
-
-def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -> None:
-    """Set the values inside gaps, each (start, end) in s, to NaN, in place."""
-    if holes:
-        values[_mark_inside(grid.time, holes)] = np.nan

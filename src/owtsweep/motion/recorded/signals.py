@@ -211,23 +211,19 @@ def _find_columns(
 
 
 def _make_uniform(found: Signals) -> Signals:
-    path, time, name = found.path, found.time, f"time ({found.columns['time']})"
-    checks.check_extent(path, name, time)
+    time, where = found.time, f"{found.path}: time ({found.columns['time']})"
+    checks.check_extent(where, time)
     even = fit_comb(time, np.arange(len(time), dtype=float))  # much jitter looks like missing rows
     comb = min(even, fit_comb(time), key=lambda each: each.jitter)
     if comb.uniform and comb.count == len(time):
         return replace(found, step=comb.step)
+    checks.refuse_gaps(where, time, 0.0)
     between = np.diff(time)
-    if wide := checks.find_gaps(time, checks.WIDEST + 0.5, 0.0):
-        raise InputError(
-            f"{path}: {name} has gaps longer than {checks.WIDEST:g} steps of "
-            f"{np.median(between):.6g} s: {checks.describe_gaps(wide)}; cut the record at the gaps"
-        )
     row = int(np.argmin(between))
     require(
         between[row] >= NEAREST * comb.step,
-        f"{path}: {name} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the "
-        f"row before, elsewhere {np.median(between):.6g} s; drop repeated times",
+        f"{where} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the row "
+        f"before, elsewhere {np.median(between):.6g} s; drop repeated times",
     )
     filled = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
     note = filled if comb.uniform else describe_jitter(comb, float(np.median(between)))

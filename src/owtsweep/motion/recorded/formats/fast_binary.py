@@ -28,8 +28,8 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded.formats.table import ChannelTable
+from owtsweep.errors import require
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse_damaged
 
 WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES = 1, 2, 3, 4
 SHORT = 10  # characters of a name in kinds 1 to 3
@@ -44,8 +44,8 @@ class Header:
     clock: tuple[float, float]  # of kind 1 scale and offset of time; else first time and step, s
     scale: Array  # (n,): a value is (packed - offset) / scale
     offset: Array
-    names: tuple[str, ...]  # of time and the channels
-    units: tuple[str, ...]
+    names: list[str]  # of time and the channels
+    units: list[str]
     first: int  # the byte at which the numbers begin
 
 
@@ -58,29 +58,23 @@ def open_fast_binary(path: Path) -> ChannelTable:
 
 def _read_header(path: Path) -> Header:
     size = path.stat().st_size
-    not_fast = InputError(
-        f"{path}: is not a FAST binary file (.outb), or is cut short in its header"
-    )
-    with path.open("rb") as file:
+    not_fast = "is not a FAST binary file (.outb), or is cut short in its header"
+    with refuse_damaged(path, not_fast, struct.error, ValueError), path.open("rb") as file:
 
         def take(code: str) -> tuple[Any, ...]:
-            try:
-                return struct.unpack("<" + code, file.read(struct.calcsize("<" + code)))
-            except struct.error:
-                raise not_fast from None
+            return struct.unpack("<" + code, file.read(struct.calcsize("<" + code)))
 
-        def words(count: int, length: int) -> tuple[str, ...]:
+        def words(count: int, length: int) -> list[str]:
             if not 0 <= count * length <= size:
-                raise not_fast
-            return tuple(_decode(word) for word in take(f"{length}s" * count))
+                raise ValueError(f"texts of {count * length} bytes")
+            return [_decode(word) for word in take(f"{length}s" * count)]
 
         (kind,) = take("h")
-        if kind not in (WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES):
-            raise not_fast
         length = take("h")[0] if kind == LONG_NAMES else SHORT
         channels, steps = take("ii")
-        if channels < 1 or steps < 1 or length < 1 or channels * 2 > size or steps > size:
-            raise not_fast
+        possible = min(channels, steps, length) > 0 and max(2 * channels, steps) <= size
+        if kind not in (WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES) or not possible:
+            raise ValueError(f"kind {kind}, {channels} channels, {steps} time steps")
         clock = take("dd")
         scale, offset = np.ones(channels), np.zeros(channels)
         if kind != UNCOMPRESSED:
@@ -89,8 +83,8 @@ def _read_header(path: Path) -> Header:
         words(1, take("i")[0])  # the description
         names, units = words(channels + 1, length), words(channels + 1, length)
         first = file.tell()
-    if not (np.all(np.isfinite(scale)) and np.all(scale != 0) and all(np.isfinite(clock))):
-        raise not_fast
+        if not (np.all(np.isfinite(scale)) and np.all(scale != 0) and all(np.isfinite(clock))):
+            raise ValueError("a scale that is 0 or not finite")
     per_step = channels * (8 if kind == UNCOMPRESSED else 2) + (4 if kind == WITH_TIME else 0)
     whole = (size - first) // per_step
     require(whole >= steps, f"{path}: is cut short: {steps} time steps announced, {whole} there")
