@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
+from owtsweep.errors import require
 from owtsweep.evaluation.signals import scatter
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded import Signals, Wanted, read_signals
@@ -63,23 +62,6 @@ class RecordedStructure(NamedTuple):
     def directions(self) -> list[str]:
         """The directions that the record has columns of, "fa" before "ss"."""
         return sorted({place.direction for place in self.names})
-
-    def need(self, wanted: Place) -> Array:
-        """Return the values of a place, shape (steps,); raise `InputError` if there are none."""
-        others = []
-        for place, name in self.names.items():
-            if (place.kind, place.direction) == (wanted.kind, wanted.direction):
-                if abs(place.height - wanted.height) <= NEAR:
-                    return self.found.values[name]
-                others.append(self.found.columns[name])
-        there = f"it has {', '.join(others)}" if others else f"it has none of kind {wanted.kind}"
-        unused = ", ".join(self.found.unused[:8])
-        hint = f"; of unknown meaning are {unused}" if unused else ""
-        raise InputError(
-            f"{self.found.path}: no column {wanted.kind}_{wanted.height:03g} of direction "
-            f"{wanted.direction} for the sensor there; {there}{hint}; name the column by "
-            "recorded.columns or choose other sensors"
-        )
 
 
 def read_record(recorded: Recorded) -> RecordedStructure:
@@ -166,58 +148,56 @@ def load_motions(
     return make_motions(record, cut, config.record.steps)
 
 
+def require_channels(
+    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[measuring.Place]
+) -> None:
+    """Raise `InputError` if a record lacks a column for a sensor at a node of `cut`."""
+    for kind, node, _ in channels:
+        require(
+            kind in KINDS,
+            f"recorded.file: a record holds no channel of kind {kind}; use sensors of kind x, "
+            "theta and a",
+        )
+        height = float(cut.heights[node] - cut.heights[0])
+        alike = {
+            place.height: record.found.columns[name]
+            for place, name in record.names.items()
+            if (place.kind, place.direction) == (kind, direction)
+        }
+        there = f"it has {', '.join(alike.values())}" if alike else f"it has none of kind {kind}"
+        unused = ", ".join(record.found.unused[:8])
+        hint = f"; of unknown meaning are {unused}" if unused else ""
+        require(
+            any(abs(other - height) <= NEAR for other in alike),
+            f"{record.found.path}: no column {kind}_{height:03g} of direction {direction} for the "
+            f"sensor there; {there}{hint}; name the column by recorded.columns or choose other "
+            "sensors",
+        )
+
+
 def measure(
     motions: Mapping[str, Motion], estimates: Mapping[str, Estimates], cut: PlaneBeam, first: int
 ) -> dict[str, float]:
     """Compare the estimates of a record, by direction, from the sample `first` on.
 
-    Returns: channel and direction, e.g. "F_024_fa" -> as `compare`; "displacement", the worst of
-    the recorded ones; and "base_moment", that of M0 fore-aft where it is recorded.
+    Returns: channel and direction, e.g. "F_024_fa" -> standard deviation of the error over that of
+        the signal (`evaluation.signals.scatter`), without signals that are NaN or constant;
+        "displacement", the worst of the recorded ones; and "base_moment", that of M0 fore-aft.
     """
-    found = {
-        f"{name}_{direction}": error
-        for direction, motion in motions.items()
-        for name, error in compare(motion, estimates[direction], cut, first).items()
-    }
+    heights = cut.heights - cut.heights[0]
+    names = [f"{kind}_{height:03g}" for height in heights[[0, -1]] for kind in "FM"]
+    names += [f"{kind}_{height:03g}" for height in heights for kind in ("x", "theta")]
+    found: dict[str, float] = {}
+    for direction, motion in motions.items():
+        guess = estimates[direction]
+        truths = (*motion.inputs[first:].T, *motion.displacement[first:].T)
+        guesses = (*guess.inputs[first:].T, *guess.displacement[first:].T)
+        for name, own, guessed in zip(names, truths, guesses, strict=True):
+            if np.all(np.isfinite(own)) and np.ptp(own) > 0.0:
+                found[f"{name}_{direction}"] = float(scatter(own, guessed))
     shifts = [error for name, error in found.items() if name.startswith("x_")]
     if shifts:
         found["displacement"] = max(shifts)
     if "M_000_fa" in found:
         found["base_moment"] = found["M_000_fa"]
     return found
-
-
-def require_channels(
-    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[measuring.Place]
-) -> None:
-    """Raise `InputError` if a record lacks a column for a sensor at a node of `cut`."""
-    for kind, node, _ in channels:
-        height = float(cut.heights[node] - cut.heights[0])
-        require(
-            kind in KINDS,
-            f"recorded.file: a record holds no channel of kind {kind}; use sensors of kind x, "
-            "theta and a",
-        )
-        record.need(Place(kind, height, direction))
-
-
-def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) -> dict[str, float]:
-    """Compare estimates with what a record holds, from the sample `first` on.
-
-    Returns: channel, e.g. "F_024" -> standard deviation of the error over that of the signal
-        (`evaluation.signals.scatter`), without signals that are NaN or constant.
-    """
-    heights = cut.heights - cut.heights[0]
-    ends = zip("FMFM", heights[[0, 0, -1, -1]], strict=True)
-    pairs = {
-        f"{kind}_{height:03g}": (motion.inputs[first:, i], estimates.inputs[first:, i])
-        for i, (kind, height) in enumerate(ends)
-    }
-    for i in range(2 * len(heights)):
-        name = f"{('x', 'theta')[i % 2]}_{heights[i // 2]:03g}"
-        pairs[name] = motion.displacement[first:, i], estimates.displacement[first:, i]
-    return {
-        name: float(scatter(truth, guess))
-        for name, (truth, guess) in pairs.items()
-        if np.all(np.isfinite(truth)) and np.ptp(truth) > 0.0
-    }
