@@ -6,9 +6,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
-from owtsweep.errors import InputError, require
+from owtsweep.errors import require
 from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
@@ -23,15 +24,13 @@ from owtsweep.motion.recorded.formats.text import open_text
 TEXT = (".csv", ".tsv", ".txt", ".asc", ".out", ".dat")
 
 READERS = {
+    **dict.fromkeys(TEXT, open_text),
     ".outb": open_fast_binary,
     ".sel": open_hawc2,
-    ".hdf5": open_gtsdf,
-    ".h5": open_gtsdf,
-    ".hdf": open_gtsdf,
+    **dict.fromkeys((".hdf5", ".h5", ".hdf"), open_gtsdf),
     ".npz": open_npz,
     ".mat": open_mat,
-    ".parquet": open_parquet,
-    ".pq": open_parquet,
+    **dict.fromkeys((".parquet", ".pq"), open_parquet),
     ".nmea": open_nmea,
 }
 
@@ -46,30 +45,23 @@ def open_table(path: str | Path) -> ChannelTable:
     require_regular(path)
     require(os.access(path, os.R_OK), f"{path}: you may not read this file; change its permissions")
     require(path.stat().st_size > 0, f"{path}: is empty")
-    table = _open(path)
+    table = _find_reader(path)(path)
     require_channels(path, len(table.names))
     return table.tidied()
 
 
-def _open(path: Path) -> ChannelTable:
+def _find_reader(path: Path) -> Callable[[Path], ChannelTable]:
     suffix = path.suffix.lower()
     if suffix == ".gz":
-        suffix = Path(path.stem).suffix.lower()
-        if suffix in TEXT:
-            return open_text(path)
-        raise InputError(f"{path}: only text tables may be compressed ({', '.join(TEXT)})")
-    if suffix in READERS:
-        return READERS[suffix](path)
+        listed = ", ".join(TEXT)
+        is_text = Path(path.stem).suffix.lower() in TEXT
+        require(is_text, f"{path}: only text tables may be compressed ({listed})")
+        return open_text
+    require(suffix in READERS, f"{path}: unknown extension {suffix!r}: use {', '.join(READERS)}")
     if suffix == ".dat" and find_companion(path, ".sel"):
-        return open_hawc2(path)
-    if suffix in TEXT:
-        if suffix == ".out" and _is_binary(path):  # an .outb file that was renamed
-            return open_fast_binary(path)
-        return open_text(path)
-    known = ", ".join((*TEXT, *READERS))
-    raise InputError(f"{path}: unknown extension {suffix!r}: use {known}")
-
-
-def _is_binary(path: Path) -> bool:
-    with path.open("rb") as file:
-        return b"\0" in file.read(64)
+        return open_hawc2
+    if suffix == ".out":
+        with path.open("rb") as file:
+            if b"\0" in file.read(64):  # an .outb file that was renamed
+                return open_fast_binary
+    return READERS[suffix]

@@ -154,8 +154,8 @@ def open_parquet(path: Path) -> ChannelTable:
         stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode(errors="replace")
         units.append("s" if pa.types.is_timestamp(field.type) else stated)
     # Texts may hold numbers. As a dictionary, a long text that all rows repeat is read only once.
-    is_text = (pa.types.is_string, pa.types.is_large_string)
-    texts = [field.name for field in schema if any(test(field.type) for test in is_text)]
+    strings = (pa.string(), pa.large_string())
+    texts = [field.name for field in schema if field.type in strings]
 
     def read(places: Sequence[int], most: int) -> list[Array]:
         with (

@@ -42,18 +42,13 @@ def is_date_or_clock(field: str) -> bool:
     return is_iso_time(field) or _UNCLEAR.match(field) is not None
 
 
-def is_split_time(fields: list[str]) -> bool:
-    """Return whether a row begins with a date and a time of day as two fields."""
-    return len(fields) > 1 and bool(_DATE.match(fields[0])) and bool(_CLOCK.match(fields[1]))
-
-
 MISSING = (
     *("", "nan", "NaN", "NAN", "-nan", "-NaN", "1.#QNAN", "-1.#IND", "#N/A", "NA", "N/A", "n/a"),
     *("null", "NULL", "None", "none", "-", "inf", "-inf", "Inf", "-Inf"),
 )
 
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?$")
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?$")
+#: A number, with a decimal point or a decimal comma.
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*|,\d+)?|\.\d+)([eEdD][+-]?\d+)?$")
 #: Numbers with a comma that may be a decimal comma, or may separate thousands.
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}$")
 _INTEGER = re.compile(r"[+-]?\d+$")
@@ -97,7 +92,7 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         below = split_fields(follower, delimiter)
         if not len(fields) == len(below) > 1 or not (_is_data(fields) and _is_data(below)):
             continue
-        if delimiter == " " and is_split_time(fields):
+        if delimiter == " " and _DATE.match(fields[0]) and _CLOCK.match(fields[1]):
             raise InputError(
                 f"{path}: line {first + 1} has date and time as two columns: write T between them "
                 f"({fields[0]}T{fields[1]}), or commas between the columns"
@@ -119,20 +114,17 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
 
 def _find_decimal(path: Path, line: int, data: list[list[str]]) -> str:
     """Return "." or ",", the decimal character of fields of data, which begin at `line`."""
-    commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
-    if not commas:
+    numbers = [field for fields in data for field in fields if _NUMBER.match(field)]
+    commas, points = ([field for field in numbers if mark in field] for mark in ",.")
+    if not commas or (points and commas[0] not in data[0]):  # a comma in a text further down
         return "."
-    points = (f for fields in data for f in fields if "." in f and _NUMBER.match(f))
-    point = next(points, None)
     hint = "write numbers with a decimal point and without other separators"
-    if point is not None:
-        if commas[0] not in data[0]:
-            return "."  # the comma is in a text further down
-        raise InputError(f"{path}: line {line} on has numbers like {commas[0]} and {point}: {hint}")
+    if points:
+        both = f"{commas[0]} and {points[0]}"
+        raise InputError(f"{path}: line {line} on has numbers like {both}: {hint}")
     if all(_THOUSANDS.match(field) for field in commas):
-        whole = commas[0].replace(",", "")
-        point = commas[0].replace(",", ".")
-        raise InputError(f"{path}: is {commas[0]} from line {line} on {whole} or {point}? {hint}")
+        both = f"{commas[0].replace(',', '')} or {commas[0].replace(',', '.')}"
+        raise InputError(f"{path}: is {commas[0]} from line {line} on {both}? {hint}")
     return ","
 
 
@@ -154,22 +146,18 @@ def _find_delimiter(line: str) -> str:
             return candidate
     # "1 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
     blanks = line.split()
-    if len(blanks) > 1 and all(map(_is_number, blanks)):
+    if len(blanks) > 1 and all(map(_NUMBER.match, blanks)):
         return " "
     return "," if "," in line else " "
 
 
 def _is_data(fields: list[str]) -> bool:
-    return any(map(_is_number, fields)) and 2 * sum(map(is_value, fields)) >= len(fields)
+    return any(map(_NUMBER.match, fields)) and 2 * sum(map(is_value, fields)) >= len(fields)
 
 
 def is_value(field: str) -> bool:
     """Return whether a field is a number, a date, a time of day, or a sign of a missing value."""
-    return _is_number(field) or field in MISSING or is_date_or_clock(field)
-
-
-def _is_number(field: str) -> bool:
-    return bool(_NUMBER.match(field) or _DECIMAL_COMMA.match(field))
+    return bool(_NUMBER.match(field)) or field in MISSING or is_date_or_clock(field)
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[list[str], list[str]]:
