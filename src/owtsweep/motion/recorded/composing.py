@@ -23,9 +23,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded.columns import PARTS, imply_unit
+from owtsweep.motion.recorded.columns import PARTS, ROLES, find_factors
 from owtsweep.motion.recorded.formats.table import ChannelTable
-from owtsweep.motion.recorded.units import find_factor
 
 #: Axis -> the platform's translation along it, the rotation by which a body leans along it, and the
 #: tower's bending.
@@ -78,9 +77,9 @@ def find_leans(
         if name is None or name not in loaded or find_extent(loaded[name]) == 0.0:
             continue
         factor = factors.get(role)
-        if factor is None and (unit := table.unit(name) or imply_unit(role, name)):
+        if factor is None:
             with suppress(InputError):  # of another unit it is not known what the channel holds
-                factor = find_factor(unit, "angle", name)
+                factor = find_factors(table, {role: name}, ROLES, {}, "units.ROLE")[role]
         leans[axis] = (name, None if factor is None else factor * loaded[name])
     return leans
 

@@ -168,7 +168,7 @@ def _describe_values(
         mean, deviation = kept.mean(), kept.std()
     text = f"{unit}, {kept.min():.4g} to {kept.max():.4g}, mean {mean:.4g}, "
     text += f"deviation {deviation:.3g}"
-    at = np.empty(0)
+    at: Array = np.empty(0)
     if time is not None and len(time) == len(values):  # MATLAB's may differ in length
         at = time[there]
     if len(at) > 1:

@@ -2,7 +2,7 @@
 
 h5py reads those of version 7.3. SciPy reads those of versions 4 to 7 too, but a damaged one ends
 the process (1.17: a segmentation fault where numbers are of an unknown type). So they are read
-here, after the MathWorks' "MAT-File Format", and all that is wrong with one is `Damaged`.
+here, after the MathWorks' "MAT-File Format", and all that is wrong with one is told in one line.
 """
 
 from __future__ import annotations
@@ -37,12 +37,8 @@ HEAD = 4096
 HDF5, HEADER = b"\x89HDF\r\n\x1a\n", 512
 
 
-class Damaged(Exception):
-    """A file is not what its format says; the message is what is wrong."""
-
-
 #: What is said of a damaged file, and the errors that reading one raises.
-DAMAGED = ("is not a whole MATLAB file", Damaged, struct.error, zlib.error)
+DAMAGED = ("is not a whole MATLAB file", ValueError, struct.error, zlib.error)
 
 
 def list_variables(path: Path) -> Iterator[Variable]:
@@ -58,12 +54,12 @@ def list_variables(path: Path) -> Iterator[Variable]:
             file.seek(place)
             kind, length = struct.unpack(order + "II", file.read(8))
             if place + 8 + length > size:
-                raise Damaged("it ends inside a variable")
+                raise ValueError("it ends inside a variable")
             raw = file.read(min(length, HEAD))
             if kind == COMPRESSED:
                 raw = zlib.decompressobj().decompress(raw, HEAD)
                 if struct.unpack(order + "I", raw[:4])[0] != MATRIX:
-                    raise Damaged("a compressed element is no array")
+                    raise ValueError("a compressed element is no array")
                 raw = raw[8:]
             if kind in (MATRIX, COMPRESSED):
                 name, shape, real = _read_head(raw, order)[:3]
@@ -82,13 +78,13 @@ def _load(
         raw = zlib.decompressobj().decompress(raw, HEAD + 8 * math.prod(shape))[8:]
     type_, begin, size, _ = _read_tag(raw, _read_head(raw, order)[3], order)
     if type_ not in TYPES:
-        raise Damaged(f"{name} has numbers of the unknown type {type_}")
+        raise ValueError(f"{name} has numbers of the unknown type {type_}")
     return _shape(name, shape, order + TYPES[type_], raw[begin : begin + size])
 
 
 def _shape(name: str, shape: tuple[int, ...], kind: str, raw: bytes) -> Array:
     if len(raw) != math.prod(shape) * np.dtype(kind).itemsize:
-        raise Damaged(f"{name} does not hold {math.prod(shape)} numbers")
+        raise ValueError(f"{name} does not hold {math.prod(shape)} numbers")
     return np.frombuffer(raw, kind).astype(float).reshape(shape, order="F")
 
 
@@ -109,13 +105,13 @@ def _list_old(path: Path) -> Iterator[Variable]:
             machine != (order == ">") or code // 100 % 10 or precision not in OLD or kind > 2
             or min(rows, columns) < 0 or imaginary not in (0, 1) or not 1 < letters <= HEAD
         ):  # fmt: skip
-            raise Damaged("its header is none of MATLAB's")
+            raise ValueError("its header is none of MATLAB's")
         name = head[20 : 20 + letters].rstrip(b"\0").decode("latin-1")
         length = rows * columns * np.dtype(OLD[precision]).itemsize
         begin = place + 20 + letters
         place = begin + length * (1 + imaginary)
         if place > size:
-            raise Damaged("it ends inside a variable")
+            raise ValueError("it ends inside a variable")
         numbers = partial(_load_old, path, name, (rows, columns), order + OLD[precision], begin)
         yield Variable(name, (rows, columns), kind == 0 and not imaginary, numbers)
 
@@ -135,7 +131,7 @@ def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]
     shape = struct.unpack(f"{order}{size // 4}i", raw[begin : begin + size])
     _, begin, size, place = _read_tag(raw, place, order)
     if min(shape, default=-1) < 0:
-        raise Damaged("an array has no shape")
+        raise ValueError("an array has no shape")
     return raw[begin : begin + size].decode("latin-1"), shape, real, place
 
 
