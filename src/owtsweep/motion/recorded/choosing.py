@@ -152,7 +152,14 @@ def _choose_by_names(
         taken, note = whole, ""
     elif alone and not (bending and floats and tower_height):
         taken = {axis: found[0] for axis, found in gauges.items() if found}
-        note = _note_on_gauge(taken, composable=bool(bending) and floats)
+        note = (
+            f"{' and '.join(taken.values())}: a gauge at a height on the tower that the file does "
+            "not hold; if this is below the top, the hub moves more"
+        )
+        if bending and floats:
+            note += (
+                "; columns.tower_height composes the motion of the top from platform and bending"
+            )
     elif floats and (bending or not any(gauges.values())):
         return Choice(parts)
     elif any(gauges.values()):
@@ -193,13 +200,3 @@ def _note_on_position(
 def _note_on_bending(names: Collection[str]) -> str:
     are = "is" if len(names) == 1 else "are"
     return f"{' and '.join(names)} {are} relative to the tower base, whose own motion is not in it"
-
-
-def _note_on_gauge(gauge: Mapping[str, str], *, composable: bool) -> str:
-    text = (
-        f"{' and '.join(gauge.values())}: a gauge at a height on the tower that the file does not "
-        "hold; if this is below the top, the hub moves more"
-    )
-    if composable:
-        text += "; columns.tower_height composes the motion of the top from platform and bending"
-    return text

@@ -18,6 +18,8 @@ from owtsweep.motion.recorded.recording import Comb, Recording, fit_comb
 #: The filter reaches zero at this multiple of the cut-off. A cut-off of 0.4 of a rate times 1.25 is
 #: half the rate, its Nyquist frequency.
 ROLL_OFF = 1.25
+#: A channel is kept in full up to this multiple of its sampling rate.
+FULL_BAND = 0.4
 
 
 class BandLimited:
@@ -53,7 +55,9 @@ class BandLimited:
         lines = rfft(series, overwrite_x=True)[: last + 1] * (2.0 / total)
         lines[0] *= 0.5
         self.frequency: Array = np.arange(last + 1) / self.period
-        self.lines: NDArray[np.complex128] = lines * _lowpass(self.frequency, cutoff)
+        # 1 up to the cut-off, then a raised cosine to 0 at `ROLL_OFF` times that
+        edge = np.clip((self.frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
+        self.lines: NDArray[np.complex128] = lines * (0.5 * (1.0 + np.cos(np.pi * edge)))
 
     def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
         """Evaluate the function, or its first or second derivative, at the times start + k / rate.
@@ -86,16 +90,6 @@ class BandLimited:
         elif order == 1:
             values += self.slope
         return values
-
-
-def _lowpass(frequency: Array, cutoff: float) -> Array:
-    # 1 up to the cut-off, then a raised cosine to 0 at `ROLL_OFF` times that
-    part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
-    return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))
-
-
-#: A channel is kept in full up to this multiple of its sampling rate.
-FULL_BAND = 0.4
 
 
 @dataclass(frozen=True)

@@ -79,13 +79,8 @@ def _load(
     type_, begin, size, _ = _read_tag(raw, _read_head(raw, order)[3], order)
     if type_ not in TYPES:
         raise ValueError(f"{name} has numbers of the unknown type {type_}")
-    return _shape(name, shape, order + TYPES[type_], raw[begin : begin + size])
-
-
-def _shape(name: str, shape: tuple[int, ...], kind: str, raw: bytes) -> Array:
-    if len(raw) != math.prod(shape) * np.dtype(kind).itemsize:
-        raise ValueError(f"{name} does not hold {math.prod(shape)} numbers")
-    return np.frombuffer(raw, kind).astype(float).reshape(shape, order="F")
+    values = np.frombuffer(raw[begin : begin + size], order + TYPES[type_])
+    return values.astype(float).reshape(shape, order="F")
 
 
 def _read(path: Path, begin: int, length: int) -> bytes:
@@ -112,13 +107,13 @@ def _list_old(path: Path) -> Iterator[Variable]:
         place = begin + length * (1 + imaginary)
         if place > size:
             raise ValueError("it ends inside a variable")
-        numbers = partial(_load_old, path, name, (rows, columns), order + OLD[precision], begin)
-        yield Variable(name, (rows, columns), kind == 0 and not imaginary, numbers)
+        load = partial(_load_old, path, (rows, columns), order + OLD[precision], begin)
+        yield Variable(name, (rows, columns), kind == 0 and not imaginary, load)
 
 
-def _load_old(path: Path, name: str, shape: tuple[int, ...], kind: str, begin: int) -> Array:
-    length = math.prod(shape) * np.dtype(kind).itemsize
-    return _shape(name, shape, kind, _read(path, begin, length))
+def _load_old(path: Path, shape: tuple[int, int], kind: str, begin: int) -> Array:
+    values = np.fromfile(path, kind, math.prod(shape), offset=begin)
+    return values.astype(float).reshape(shape, order="F")
 
 
 def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]:
