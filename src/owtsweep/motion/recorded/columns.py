@@ -189,18 +189,18 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
         hits = [name for name in names if name.lower() == text.lower()]
         if len(hits) == 1:
             return hits[0]
-    lower = {name.lower(): name for name in names}
-    near = [lower[text] for text in get_close_matches(wanted.lower(), lower, n=12, cutoff=0.4)]
-    listed = (near + [name for name in names if name not in near])[:12]
-    left = len(names) - len(listed)
-    more = f" and {left} more (--describe lists all)" if left else ""
-    reason = f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}"
-    raise InputError(f"{table.path}: {reason}")
+    raise InputError(
+        f"{table.path}: {argument}: no channel {wanted!r}; there are {list_names(table, wanted)}"
+    )
 
 
-def list_names(table: ChannelTable) -> str:
-    """Return the first names of a file, for messages."""
-    return ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
+def list_names(table: ChannelTable, wanted: str = "") -> str:
+    """Return the first names of a file, for messages; before them those similar to `wanted`."""
+    lower = {name.lower(): name for name in table.names}
+    near = get_close_matches(wanted.lower(), lower, n=12, cutoff=0.4)
+    listed = list(dict.fromkeys([*(lower[text] for text in near), *table.names]))[:12]
+    left = len(table.names) - len(listed)
+    return ", ".join(listed) + (f" and {left} more (--describe lists all)" if left else "")
 
 
 def refuse_without_time(table: ChannelTable, hint: str) -> InputError:

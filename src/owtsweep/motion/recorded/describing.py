@@ -19,7 +19,7 @@ from owtsweep.motion.recorded.composing import Hub, compose, find_extent
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_VALUES, ChannelTable
 from owtsweep.motion.recorded.recording import fit_comb
-from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
+from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor
 
 #: Of a longer file only this many rows are read, and fewer if it has more than 200 channels.
 MOST_ROWS = 1_000_000
@@ -123,23 +123,22 @@ def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, 
 def _describe_clock(
     table: ChannelTable, name: str | None, loaded: Mapping[str, Array]
 ) -> tuple[str, Array | None]:
-    """Return the file's times in words, and in s, shape (n,), if they rise."""
+    """Return the file's times in words, and in s, shape (n,), if they can be used."""
     if name is None:
         return "no time column found: set columns.time=CHANNEL", None
-    to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
-    time = to_seconds * loaded[name]
-    rising = time if len(time) > 1 and np.all(np.diff(time) > 0.0) else None
     try:
+        factor = find_factors(table, {"time": name}, ROLES, {}, "units.ROLE")["time"]
+        time = (factor or 1.0) * loaded[name]
         check_time(table.path, name, time, fewest=2)
         check_extent(f"{table.path}: time ({name})", time)
     except InputError as error:
-        return str(error).removeprefix(f"{table.path}: "), rising
+        return str(error).removeprefix(f"{table.path}: "), None
     comb = fit_comb(time)
     regular = "regular" if comb.uniform else f"irregular (up to {comb.jitter:.3g} s off)"
     if comb.rounded:
         regular += f" but for rounding to {comb.resolution:g} s"
     span = f"time ({name}): {time[0]:.6g} s to {time[-1]:.6g} s, every {comb.step:.6g} s"
-    return f"{span} ({1 / comb.step:.6g} Hz), {regular}", rising
+    return f"{span} ({1 / comb.step:.6g} Hz), {regular}", time
 
 
 def _is_likely(unit: str, values: Array | None) -> bool:
