@@ -115,9 +115,10 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
     """
     roles: dict[str, str | None] = {"time": find(names, *TIME_NAMES, "time.*")}
     for quantity, pairs in NAME_PAIRS.items():
-        pair = next((pair for pair in pairs if find(names, pair[0])), None)
-        for axis, pattern in zip("xy", pair or (), strict=bool(pair)):
-            roles[f"{quantity}_{axis}"] = find(names, pattern)
+        for along_x, along_y in pairs:
+            if x := find(names, along_x):
+                roles |= {f"{quantity}_x": x, f"{quantity}_y": find(names, along_y)}
+                break
     found = {role: name for role, name in roles.items() if name is not None}
     if "specific_force_x" in found and "reference_x" not in found:
         for axis in "xy":

@@ -158,7 +158,7 @@ def to_grid(recording: Recording, role: str, grid: TimeGrid) -> Array:
 
 
 def make_uniform(recording: Recording, role: str) -> tuple[Array, Comb, list[tuple[float, float]]]:
-    """Return a channel at the teeth of the comb of its times, the comb, and the gaps, filled."""
+    """Return a channel at the teeth of the comb of its times, (n,), gaps filled; comb and gaps."""
     time, values = recording.series(role)
     comb = fit_comb(time)
     if not (comb.uniform and comb.count == len(time)):
