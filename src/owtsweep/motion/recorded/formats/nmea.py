@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -32,18 +32,18 @@ def open_nmea(path: Path) -> ChannelTable:
     Raises InputError without the package pynmeagps, if no sentence has a fix, a sentence cannot be
         read or lacks a number, or some state a geoid separation and others do not.
     """
-    sentences = _read_sentences(path)
-    require(bool(sentences), f"{path}: no GGA sentence has a fix")
-    separated = {fields.get("sep", "") != "" for fields in sentences}
-    table = np.array([
-        _read_fix(f"{path}: GGA sentence {number}", fields)
-        for number, fields in enumerate(sentences, start=1)
-    ])  # fmt: skip
+    fixes: list[list[float]] = []
+    separated = set()
+    for number, fields in enumerate(_read_sentences(path), start=1):
+        fixes.append(_read_fix(f"{path}: GGA sentence {number}", fields))
+        separated.add(fields.get("sep", "") != "")
+    require(bool(fixes), f"{path}: no GGA sentence has a fix")
     require(
         len(separated) == 1,
         f"{path}: some GGA sentences have a geoid separation and others have none, so heights "
         "jump; keep one kind",
     )
+    table = np.array(fixes)
     clock = table[:, 0]
     clock += DAY * np.cumsum(np.diff(clock, prepend=clock[0]) < -0.5 * DAY)
     names = [name if name != "height" or True in separated else "altitude" for name in CHANNELS]
@@ -54,8 +54,8 @@ def open_nmea(path: Path) -> ChannelTable:
     return ChannelTable(path, FORMAT, names, [*CHANNELS.values()], read, len(table))
 
 
-def _read_sentences(path: Path) -> list[Mapping[str, Any]]:
-    """Return the fields of the GGA sentences with a fix; of a sentence that is cut, not all."""
+def _read_sentences(path: Path) -> Iterator[Mapping[str, Any]]:
+    """Yield the fields of the GGA sentences with a fix; of a sentence that is cut, not all."""
     try:
         from pynmeagps import ERR_RAISE, NMEAReader
         from pynmeagps import exceptions as wrong
@@ -64,20 +64,20 @@ def _read_sentences(path: Path) -> list[Mapping[str, Any]]:
             f"{path}: NMEA needs the package pynmeagps; install the extra: pip install "
             "'owtsweep[gnss]'"
         ) from None
-    sentences: list[Mapping[str, Any]] = []
+    count = 0
     try:
         for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
             is_position = said is not None and said.identity.endswith("GGA")
             if is_position and vars(said).get("quality", "") != NO_FIX:
-                sentences.append(vars(said))
+                count += 1
+                yield vars(said)
     except (
         wrong.NMEAMessageError, wrong.NMEAParseError, wrong.NMEAStreamError, wrong.NMEATypeError
     ) as error:  # fmt: skip
         raise InputError(
-            f"{path}: sentence {len(sentences) + 1} cannot be read ({shorten(error)}); cut damaged "
+            f"{path}: sentence {count + 1} cannot be read ({shorten(error)}); cut damaged "
             "sentences out"
         ) from None
-    return sentences
 
 
 def _read_fix(where: str, fields: Mapping[str, Any]) -> list[float]:
