@@ -51,7 +51,9 @@ ROLES = {
 OTHER = {"x": "y", "y": "x"}
 
 #: Names of time in order of preference; case and all but letters and digits are ignored.
-TIME_NAMES = ("time", "t", "timestamp", "times", "timesec", "seconds", "elapsedtime", "scantime")
+TIME_NAMES = (
+    "time", "t", "timestamp", "times", "timesec", "seconds", "elapsedtime", "scantime", "time.*",
+)  # fmt: skip
 
 #: quantity -> pairs of patterns (x, y) in order of preference. A pattern must match the whole name,
 #: of which case and all but letters and digits are ignored. HAWC2: the state of a body in global
@@ -113,7 +115,7 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
     Both axes come from one pair of names; y may be missing. Beside a specific force, positions
     become the reference if there is none.
     """
-    roles: dict[str, str | None] = {"time": find(names, *TIME_NAMES, "time.*")}
+    roles: dict[str, str | None] = {"time": find(names, *TIME_NAMES)}
     for quantity, pairs in NAME_PAIRS.items():
         for along_x, along_y in pairs:
             if x := find(names, along_x):

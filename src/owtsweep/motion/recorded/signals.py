@@ -18,9 +18,10 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded import checks
 from owtsweep.motion.recorded.columns import (
+    TIME_NAMES,
+    find,
     find_channel,
     find_factors,
-    guess_roles,
     list_names,
     refuse_without_time,
     to_si,
@@ -138,14 +139,14 @@ def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wante
     for item in items:
         signal, _, rest = item.partition(":")
         key = files[0][1].key
-        tables = [table for table, wanted in files if wanted.knows(signal)]
+        known = [table for table, wanted in files if wanted.knows(signal)]
         require(
-            bool(tables) and bool(rest.strip()),
+            bool(known) and bool(rest.strip()),
             f"{key}: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are time, "
             f"{', '.join(dict.fromkeys(wanted.listed for _, wanted in files))}",
         )
-        if not any(_find(table, rest) for table in tables):
-            find_channel(tables[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
+        if not any(_find(table, wanted, item) for table, wanted in files):
+            find_channel(known[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
 
 
 def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
@@ -168,10 +169,12 @@ def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> 
     return Signals(table.path, time, float("nan"), values, columns, unused, notes)
 
 
-def _find(table: ChannelTable, rest: str) -> tuple[str, str] | None:
+def _find(table: ChannelTable, wanted: Wanted, item: str) -> tuple[str, str] | None:
+    """Return the channel and the unit that an item names; None if it names none of the file."""
+    signal, _, rest = item.partition(":")
     name, _, unit = rest.rpartition(":")
     for each, given in ((rest, ""), (name, unit)):  # a name may hold a colon
-        if each.strip():
+        if each.strip() and wanted.knows(signal):
             with suppress(InputError):
                 return find_channel(table, each.strip(), ""), given.strip()
     return None
@@ -183,18 +186,16 @@ def _find_columns(
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
     for item in items:
-        signal, _, rest = item.partition(":")
-        place = _find(table, rest) if wanted.knows(signal) else None
-        if place is None:
-            continue
-        require(
-            signal not in columns,
-            f"{wanted.key}: {signal} is there twice for columns of {table.path}; leave one out",
-        )
-        columns[signal], units[signal] = place
+        signal = item.partition(":")[0]
+        if place := _find(table, wanted, item):
+            require(
+                signal not in columns,
+                f"{wanted.key}: {signal} is there twice for columns of {table.path}; leave one out",
+            )
+            columns[signal], units[signal] = place
     taken = set(columns.values())
     if "time" not in columns:
-        clock = guess_roles([name for name in table.names if name not in taken]).get("time")
+        clock = find([name for name in table.names if name not in taken], *TIME_NAMES)
         if clock is None:
             raise refuse_without_time(table, wanted.tell_name("time"))
         columns["time"] = clock

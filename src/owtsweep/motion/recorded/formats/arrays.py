@@ -177,7 +177,6 @@ def _read_column(path: Path, file: parquet.ParquetFile, place: int, most: int) -
     number = file.schema_arrow.names[:place].count(field.name)  # among the columns of the same name
     is_time = pa.types.is_timestamp(field.type)
     parts: list[Array] = []
-    count = 0
     for batch in file.iter_batches(batch_size=1 << 20, columns=[field.name], use_threads=False):
         part = batch.column(number)
         try:
@@ -190,11 +189,8 @@ def _read_column(path: Path, file: parquet.ParquetFile, place: int, most: int) -
         except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
             kind = field.type.value_type if pa.types.is_dictionary(field.type) else field.type
             raise InputError(f"{path}: column {field.name} holds no numbers ({kind})") from None
-        parts.append(part.to_numpy(zero_copy_only=False)[: most - count])
-        count += len(parts[-1])
-        if count >= most:
+        parts.append(part.to_numpy(zero_copy_only=False))
+        if sum(map(len, parts)) >= most:
             break
-    values = np.concatenate(parts) if parts else np.empty(0)
-    if is_time and len(values):
-        return np.asarray((values - values[0]) * 1e-9, dtype=float)
-    return np.array(values, dtype=float)
+    values = np.concatenate(parts)[:most] if parts else np.empty(0)
+    return (values - values[:1]) * 1e-9 if is_time else values
