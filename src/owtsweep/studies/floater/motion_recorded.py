@@ -71,9 +71,7 @@ def read_motion(
         for number, name in enumerate(names):
             if name in values:
                 array[:, number] = values[name]
-    rest = np.zeros((lead, 6))
+    before = ((lead, 0), (0, 0))
     return Series(
-        np.concatenate([np.repeat(position[:1], lead, axis=0), position]),
-        np.concatenate([rest, velocity]),
-        np.concatenate([rest, acceleration]),
+        np.pad(position, before, "edge"), np.pad(velocity, before), np.pad(acceleration, before)
     )
