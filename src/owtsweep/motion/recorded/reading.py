@@ -93,8 +93,10 @@ def _load(
     table: ChannelTable, needed: Iterable[str], wished: Iterable[str], rows: int | None
 ) -> Mapping[str, Array]:
     names = list(dict.fromkeys(needed))
-    with suppress(InputError):  # a file is not refused for a channel that nobody asked for
-        return table.load(list(dict.fromkeys([*names, *wished])), rows)
+    more = [name for name in wished if name not in names]
+    if more:
+        with suppress(InputError):  # a file is not refused for a channel that nobody asked for
+            return table.load([*names, *more], rows)
     return table.load(names, rows)
 
 
