@@ -18,7 +18,7 @@ from owtsweep.sweep.study import add_versions
     [
         ("hub", 11),
         ("replay", 13),
-        ("tower", 4),
+        ("tower", 5),
         ("floater", 3),
         ("blade", 2),
         ("mating", 14),

@@ -28,7 +28,7 @@ class TowerStudy(DeclaredStudy):
         Lever("sensors at every node", "sensors", lambda sensors: "dense_theta_a"),
     )
     stretched = ("displacement_fa", -2, "displacement of the top, fore-aft (m)")
-    numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
+    numerics_version = add_versions(4, waves, structures, sensing, motion, estimation, evaluation)
     commands = DeclaredStudy.commands | {"place", "tune"}
 
     def complete(self, plain: Plain) -> Plain:
