@@ -147,6 +147,13 @@ def test_the_simulated_bias_is_that_of_the_noise(tmp_path, monkeypatch):
     assert np.ptp(found[:, 0]) > 1e-4
 
 
+def list_lines(shown: traces.Traces) -> list:
+    """The pieces of all lines of estimates, errors, truth and IMU."""
+    pairs = [*shown.lines.values(), *filter(None, (shown.truth, shown.imu))]
+    lines = [line for pair in pairs for line in pair] + [*shown.errors.values()]
+    return [piece for line in lines for piece in line]
+
+
 @pytest.mark.parametrize("kind", ["motion", "reference", "neither"])
 def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     path = tmp_path / "a.csv"
@@ -168,20 +175,21 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
         whole[name] = one.read(name, one.windows["whole"])[0]
     # with this tuning MKF is the same estimator as EKF
     assert traces.find_distinct(whole) == [name for name in config.schemes if name != "EKF"]
-    filters = one.filters
+    drawn = [traces.collect_traces(one, name, zoom=False) for name in ("bias", "acceleration")]
     monkeypatch.setattr(recorded, "PIECE", 640)
     monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
     write_estimates(config, str(path), tmp_path, print)
     other = traces.Session(config, str(path), tmp_path / "estimates.parquet")
     assert one.windows == other.windows
-    assert set(filters.bias) == set(config.schemes) - {"SKFA"}
-    for name, pair in filters.bias.items():
-        for a, b in zip(pair, other.filters.bias[name], strict=True):
-            assert np.array_equal(a.points(), b.points())
-    for name, error in filters.bias_error.items():
-        assert np.array_equal(error.points(), other.filters.bias_error[name].points())
-    for name, values in filters.acceleration.items():
-        assert np.array_equal(values, other.filters.acceleration[name])
+    assert set(one.chains) == set(config.schemes) - {"SKFA"}
+    again = [traces.collect_traces(other, name, zoom=False) for name in ("bias", "acceleration")]
+    for before, after in zip(drawn, again, strict=True):
+        assert set(before.lines) == set(config.schemes) - {"EKF", "SKFA"}
+        assert set(before.errors) == (set(before.lines) if kind == "motion" else set())
+        assert (before.truth is None) == (kind != "motion")
+        assert before.view == after.view
+        for one_line, other_line in zip(list_lines(before), list_lines(after), strict=True):
+            assert np.array_equal(one_line, other_line)
     shown = traces.collect_traces(one, "position", zoom=False)
     scaled = [values for _, values in shown.residuals.values()]
     assert len(scaled) == (4 if kind == "neither" else 0)
@@ -272,7 +280,8 @@ def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     config = config_of([small], "replay.replicates=1")
     list(blocks.run(config, blocks.plan(config)))  # compiling takes memory of its own
     write_estimates(config, str(small), tmp_path, print)
-    _ = traces.Session(config, str(small), tmp_path / "estimates.parquet").filters
+    session = traces.Session(config, str(small), tmp_path / "estimates.parquet")
+    traces.collect_traces(session, "bias", zoom=False)
     rows = 400_000
     peak, run = replay_long(tmp_path, rows, "replay.replicates=1", "schemes=[MKF,HME1,HME2]")
     import pyarrow.parquet as pq

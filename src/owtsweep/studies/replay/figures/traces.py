@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -113,9 +113,16 @@ class Session:
         return choose_windows(record, (state[:, :2] for state in states))
 
     @cached_property
-    def filters(self) -> FilterStates:
-        """The filters' acceleration and bias."""
-        return FilterStates(self)
+    def chains(self) -> dict[str, hub.Chain]:
+        """The schemes with a kernel; none if fixes are missing, because kernels need every fix."""
+        if not np.all(np.isfinite(self.signals.fixes)):
+            return {}
+        known = hub.Known(self.sensors, self.config)
+        return {
+            scheme.name: scheme.kernel_for_runs(known, self.record.steps)
+            for scheme in hub.resolve_all(self.config.schemes, self.config)
+            if scheme.name in self.names and scheme.batched == "chain"
+        }
 
 
 def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice[int]]:
@@ -219,90 +226,59 @@ def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
 
 
 def _trace_acceleration(session: Session) -> Traces:
-    steps = session.windows["acceleration"]
-    traces = _trace(session, "acceleration", steps, session.filters.acceleration)
-    pieces = rotate_force(session.signals, session.sensors)
-    force = hub.OnePassSeries(pieces, (session.record.steps, 2))[steps]
+    steps, shape = session.windows["acceleration"], (session.record.steps, 2)
+    estimates = {
+        name: hub.OnePassSeries((state[:, 2] for state in _run_shifted(chain, session)), shape)[
+            steps
+        ]
+        for name, chain in session.chains.items()
+        if hub.has_acceleration(chain)  # a state of its model
+    }
+    traces = _trace(session, "acceleration", steps, estimates)
+    force = hub.OnePassSeries(rotate_force(session.signals, session.sensors), shape)[steps]
     felt = make_pair(session.record.time_at(steps), force + np.array(session.sensors.gravity))
     return replace(traces, imu=felt)
 
 
 def _trace_bias(session: Session) -> Traces:
-    record, states = session.record, session.filters
-
-    def to_line(envelope: Envelope) -> Line:
-        steps, values = envelope.points()
-        return [(record.begin + record.step * steps, values)]
-
-    lines = {name: (to_line(x), to_line(y)) for name, (x, y) in states.bias.items()}
+    record, simulated = session.record, session.record.gnss == "simulated"
+    simulate = partial(simulate_true_bias, session.config, session.sensors, record.steps, 0)
+    lines: dict[str, Pair] = {}
+    errors: dict[str, Line] = {}
+    for name, chain in session.chains.items():
+        pieces = (state[:, 3] for state in _run_shifted(chain, session))
+        if simulated:
+            both = zip(pieces, simulate(), strict=True)
+            pieces = (np.column_stack([bias, bias[:, 0] - true[:, 0]]) for bias, true in both)
+        made = _make_lines(record, pieces, record.steps - hub.lag_of(chain))
+        lines[name], errors[name] = (made[0], made[1]), made[-1]
     shown = find_distinct({name: x[0][1] for name, (x, _) in lines.items()})
-    truth = states.true_bias
-    errors = {name: to_line(each) for name, each in states.bias_error.items() if name in shown}
+    truth = None
+    if lines and simulated:
+        x, y = _make_lines(record, simulate(), record.steps)
+        truth = x, y
     return Traces(
         (record.begin, record.end),
         {name: lines[name] for name in shown},
-        errors,
-        truth=None if truth is None else (to_line(truth[0]), to_line(truth[1])),
+        {name: errors[name] for name in shown if simulated},
+        truth=truth,
     )
 
 
-class FilterStates:
-    """The filters' estimates of acceleration and accelerometer bias, in NED and m/s^2.
-
-    An estimate is stored at the time to which it refers, not when the filter computed it. Only
-    schemes with a kernel are run, and none if fixes are missing, because kernels need every fix.
-
-    acceleration: scheme -> that in the part of the record that its figure shows, shape (n, 2);
-        without schemes whose model has no acceleration.
-    bias: scheme -> envelopes of x and y of the bias R b^b over the whole record.
-    bias_error: scheme -> envelope of the error of the bias along x; empty for recorded sensors.
-    true_bias: envelopes of the simulated bias; None for recorded sensors, and beside no bias.
-    """
-
-    def __init__(self, session: Session) -> None:
-        config, record, sensors = session.config, session.record, session.sensors
-        steps, simulated = record.steps, record.gnss == "simulated"
-        self.acceleration: dict[str, Array] = {}
-        self.bias: dict[str, tuple[Envelope, Envelope]] = {}
-        self.bias_error: dict[str, Envelope] = {}
-        self.true_bias: tuple[Envelope, Envelope] | None = None
-        complete = bool(np.all(np.isfinite(session.signals.fixes)))
-        known = hub.Known(sensors, config)
-        for scheme in hub.resolve_all(config.schemes, config):
-            if complete and scheme.name in session.names and scheme.batched == "chain":
-                chain = scheme.kernel_for_runs(known, steps)
-                truths = simulate_true_bias(config, sensors, steps, 0) if simulated else None
-                self._add(scheme.name, chain, session, truths)
-        if self.bias and simulated:
-            x, y = self.true_bias = Envelope(steps), Envelope(steps)
-            for truth in simulate_true_bias(config, sensors, steps, 0):
-                x.add(truth[:, 0])
-                y.add(truth[:, 1])
-
-    def _add(
-        self, name: str, chain: hub.Chain, session: Session, truths: Iterator[Array] | None
-    ) -> None:
-        steps, window = session.record.steps, session.windows["acceleration"]
-        estimated = steps - hub.lag_of(chain)
-        points = max(int(POINTS * estimated / steps), 8)
-        x, y, error = (Envelope(estimated, points) for _ in range(3))
-        shown, begin = [], 0
-        for piece in _run_shifted(chain, session):
-            shown.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0), 2])
-            x.add(piece[:, 3, 0])
-            y.add(piece[:, 3, 1])
-            if truths is not None:
-                error.add(piece[:, 3, 0] - next(truths)[:, 0])
-            begin += len(piece)
-        self.bias[name] = (x, y)
-        if truths is not None:
-            self.bias_error[name] = error
-        if hub.has_acceleration(chain):
-            self.acceleration[name] = np.concatenate(shown)
+def _make_lines(record: ReplayRecord, pieces: Iterable[Array], count: int) -> list[Line]:
+    """Return a line per column of a series of `count` steps, in pieces of shape (n, columns)."""
+    envelopes: list[Envelope] = []
+    for piece in pieces:
+        points = max(int(POINTS * count / record.steps), 8)
+        envelopes = envelopes or [Envelope(count, points) for _ in piece.T]
+        for envelope, values in zip(envelopes, piece.T, strict=True):
+            envelope.add(values)
+    found = (envelope.points() for envelope in envelopes)
+    return [[(record.begin + record.step * steps, values)] for steps, values in found]
 
 
 def _run_shifted(chain: hub.Chain, session: Session) -> Iterator[Array]:
-    """Yield a filter's states in pieces of shape (n, 4, 2).
+    """Yield a filter's states, in NED, m, m/s and m/s^2, in pieces of shape (n, 4, 2).
 
     The second axis holds position, velocity, acceleration and the bias R b^b; the third x and y.
     The filter computes a state `lag_of(chain)` steps late; it is moved back to the step to which it
