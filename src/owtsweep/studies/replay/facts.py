@@ -114,12 +114,7 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
     sensors = make_sensors(config.sensors)
     signals = [listen(config, sensors, record, 0)]
     pieces = estimate_pieces(config, scheme, sensors, signals, cut_into_pieces(record.steps))
-    position, begin = np.empty((record.steps, 2)), 0
-    for (piece,) in pieces:
-        end = begin + len(piece.state)
-        position[begin:end] = piece.state[:, :2]
-        begin = end
-    return position
+    return np.concatenate([piece.state[:, :2].copy() for (piece,) in pieces])
 
 
 def choose_describer(config: ReplayConfig) -> int:

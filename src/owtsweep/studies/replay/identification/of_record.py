@@ -15,7 +15,7 @@ import numpy as np
 from scipy.signal import welch
 
 from owtsweep.arrays import Array
-from owtsweep.config import changed
+from owtsweep.config import changed, with_values
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, follow_sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
@@ -214,29 +214,21 @@ def use_estimates(config: ReplayConfig, noise: Noise) -> ReplayConfig:
     interval, or gets the nearest end. What `tuning=matched` computes from the sensors is computed
     again.
     """
-    chosen = {one.parameter: _choose(one) for one in noise.parameters if not one.inside}
-    gnss, imu = config.sensors.gnss, config.sensors.imu
-    deviations = config.sensors.deviations
-    if (sigma := chosen.get("sensors.gnss.sigma")) is not None:
-        gnss = changed(gnss, sigma=_round(deviations * sigma))
-    if (delay := chosen.get("sensors.gnss.delay")) is not None:
-        gnss = changed(gnss, delay=round_delay(delay, imu.rate))
-    if (sigma := chosen.get("sensors.imu.sigma")) is not None:
-        imu = changed(imu, sigma=_round(deviations * sigma))
-    if (walk := chosen.get("sensors.imu.bias_walk")) is not None:
-        imu = changed(imu, bias_walk=_round(walk))
-    return follow_sensors(config, changed(config.sensors, gnss=gnss, imu=imu))
+    sensors, values = config.sensors, dict[str, float]()
+    for one in noise.parameters:
+        _, _, key = one.parameter.partition("sensors.")
+        if key and not one.inside:
+            nearest = one.high if one.stated > one.high else one.low
+            value = one.estimate if one.bounded else nearest
+            size = sensors.deviations if key.endswith(".sigma") else 1.0
+            is_delay = key == "gnss.delay"
+            values[key] = round_delay(value, sensors.imu.rate) if is_delay else _round(size * value)
+    return follow_sensors(config, with_values(sensors, values))
 
 
 def round_delay(delay: float, rate: float) -> float:
     """Return the delay, s, in whole steps of an IMU of this rate, Hz, that a filter can have."""
     return max(round(delay * rate), 0) / rate
-
-
-def _choose(one: Estimated) -> float:
-    if one.bounded:
-        return one.estimate
-    return one.high if one.stated > one.high else one.low
 
 
 def _round(value: float) -> float:
