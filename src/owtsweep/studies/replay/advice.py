@@ -115,14 +115,23 @@ def advise(
             window = "settled"
             whole = _pivot(rows[rows["window"] == window], entrants, by)[:, 0]
             samples = parts
-    count = len(schemes)
-    compared = compare(samples[:count], [*schemes], whole=None if whole is None else whole[:count])
+    judged = judge(samples, [*schemes, *BASELINE_ROWS.values()], schemes, whole=whole)
+    row = {"source": source, "criterion": criterion, "window": window}
+    return judged and {**row, **judged, "advises": True, "counts": True}
+
+
+def judge(
+    samples: Array, names: Sequence[str], schemes: Mapping[str, int], *, whole: Array | None = None
+) -> dict[str, object] | None:
+    """Return what `compare` finds of schemes, and `choose_simplest` of these and the baselines.
+
+    Arguments are those of `choose_simplest`; in `names` the schemes come first.
+    """
+    count = len({*names} & {*schemes})
+    compared = compare(samples[:count], names, whole=None if whole is None else whole[:count])
     if compared is None:
         return None
-    names = [*schemes, *BASELINE_ROWS.values()]
-    chosen = choose_simplest(samples, names, str(compared["best"]), schemes, whole=whole)
-    row = {"source": source, "criterion": criterion, "window": window}
-    return {**row, **compared, **chosen, "advises": True, "counts": True}
+    return compared | choose_simplest(samples, names, str(compared["best"]), schemes, whole=whole)
 
 
 def prefer_better(stated: dict[str, object], estimated: dict[str, object]) -> None:

@@ -151,17 +151,13 @@ def _advise_from_map(
         return None
     criterion = "velocity" if config.measures.criterion == "velocity" else "position"
     errors = {name: both[criterion == "velocity"] for name, both in expected.items()}
-    known = [name for name in schemes if name in errors]
-    compared = advice.compare(np.array([[errors[name]] for name in known]), known)
-    if compared is None:
-        return None
     samples = np.array([[error] for error in errors.values()])
-    return {
+    judged = advice.judge(samples, list(errors), schemes)
+    return judged and {
         "source": "map",
         "criterion": criterion,
         "window": "settled",
-        **compared,
-        **advice.choose_simplest(samples, list(errors), str(compared["best"]), schemes),
+        **judged,
         "counts": False,
         **advice.relate_to_record(errors, by_record, record["fit_share"]),
     }
