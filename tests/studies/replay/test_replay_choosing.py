@@ -13,7 +13,7 @@ from owtsweep.motion.modes import find_modes
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.public import resolve_all
-from owtsweep.studies.replay import advice, measures
+from owtsweep.studies.replay import advice, blocks, measures
 from owtsweep.studies.replay.describe import tell_row
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
@@ -58,10 +58,8 @@ def test_baselines_are_those_of_the_hub_also_with_missing_fixes(tmp_path):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     signals = listen(config, sensors, record, 0)
-    found = {
-        (row, m, w): v
-        for row, (m, w, v, _) in measures.measure_baselines(record, signals.fixes, sensors, 500)
-    }
+    rows = blocks.run_baselines(config, record)
+    found = {(row.scheme, row.measure, row.window): row.value for row in rows}
     at = np.arange(1, len(signals.fixes)) * 100 - sensors.delay
     for (row, _), scheme in zip(
         measures.BASELINE_ROWS.items(), resolve_all(["NONE", "HOLD", "DELTA"], config), strict=True

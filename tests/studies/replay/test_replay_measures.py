@@ -9,7 +9,7 @@ from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.replay import facts, measures, place
+from owtsweep.studies.replay import blocks, facts, measures, place
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
 
@@ -77,9 +77,8 @@ def test_holding_the_last_fix(case):
         if k % 100 == 0 and np.isfinite(measured.fixes[k // 100, 0]):
             last = measured.fixes[k // 100]
         squared.append(np.sum((last - record.position[k]) ** 2))
-    sensors = sensing.sensors(config_of([]).sensors)
-    found = measures.measure_baselines(record, measured.fixes, sensors, 2000)
-    held = {(n, w): v for row, (n, w, v, _) in found if row == "last_fix"}
+    rows = blocks.run_baselines(config_of([]), record)
+    held = {(row.measure, row.window): row.value for row in rows if row.scheme == "last_fix"}
     assert held["position", "settled"] == pytest.approx(np.mean(squared[2000:]))
     assert held["position", "full"] == pytest.approx(np.mean(squared))
 
@@ -105,8 +104,8 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
     estimated = estimate(config, resolve("HME1"), sensors, measured)
     names = {n for n, *_ in measure(record, measured.fixes, estimated, sensors, 2000)}
     assert names == {"fix_residual", "nis", "innovation", "innovation_lag_1", "innovation_white_p"}
-    of_baselines = measures.measure_baselines(record, measured.fixes, sensors, 2000)
-    assert {n for _, (n, *_) in of_baselines} == {"fix_residual"}
+    of_baselines = blocks.run_baselines(config, record)
+    assert {row.measure for row in of_baselines} == {"fix_residual"}
 
 
 def test_fixes_without_delay_are_foreseen_by_the_step_before(tmp_path):
@@ -126,13 +125,14 @@ def test_fixes_without_delay_are_foreseen_by_the_step_before(tmp_path):
     # the innovation is the same but for the acceleration of one step
     innovations = found["innovation", "settled"][0]
     assert found["fix_residual", "settled"][0] == pytest.approx(innovations, rel=0.05)
-    of_baselines = measures.measure_baselines(record, measured.fixes, sensors, 2000)
-    assert {n for _, (n, *_) in of_baselines} == {"fix_residual"}
+    of_baselines = blocks.run_baselines(config, record)
+    assert {row.measure for row in of_baselines} == {"fix_residual"}
 
 
 def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
     """End to end: file, grid, sensors, scheme, errors against the expectation without records."""
     from owtsweep.motion.spectra import translated
+    from owtsweep.studies.hub.public import expected_mse
 
     path = motion_file(tmp_path / "a.csv", duration=1000.0, rms=0.5, period=5.0)
     config = config_of([path])
@@ -146,9 +146,10 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
             state = estimate(config, scheme, sensors, measured).state[4000:]
             mse.append(np.mean(np.sum((state[:, :2] - record.position[4000:]) ** 2, axis=1)))
         chain = scheme.kernel(Known(sensors, config), record.steps)
-        known = place.expect_errors(chain, sensors, (0.05, 0.6))
+        spectrum, (floor, _) = place.expect_errors(chain, sensors, (0.05, 0.6))
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
-        expected, _ = known.mse(translated(5.0).density, (0.05, 0.6), rms)
+        moved, _ = expected_mse(spectrum, translated(5.0).density, (0.05, 0.6), rms=rms)
+        expected = moved + floor
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name
         assert place.expect_at_record(config, facts_of(config, record))[name][0] == (
             pytest.approx(expected, rel=0.1)

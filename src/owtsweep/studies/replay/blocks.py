@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,24 +20,35 @@ from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measures import ESTIMATED, NOISE, measure_baselines, name_second_run
+from owtsweep.studies.replay.measures import ESTIMATED, NOISE, name_second_run
 from owtsweep.studies.replay.record import LONG, ReplayRecord, count_replicates, listen
 from owtsweep.sweep.study import FAILED, OK, Block
 
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
 )  # fmt: skip
-#: What a row says besides the file.
-Row = tuple[str, str, str, int, float, int, str, str]
 #: Most steps of estimates, over all replicates of a scheme, in memory at once; 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
 _LONG_RUNS = BoundedSemaphore(2)
 #: Value in the column `scheme` for facts about the record itself. The values for the errors of
-#: baselines, which are in the record's block too, are `baselines.BASELINE_ROWS`.
+#: baselines, which are in the record's block too, are `measures.BASELINE_ROWS`.
 RECORD = ""
 #: Keys of the section `replay` on which no row of a scheme depends.
 NOT_SHARED = ("table", "noise", "disagreement")
+
+
+class Row(NamedTuple):
+    """What a row says besides the file."""
+
+    scheme: str
+    measure: str = ""
+    window: str = ""
+    value: float = np.nan
+    n_samples: int = 0
+    replicate: int = 0
+    status: str = OK
+    reason: str = ""
 
 
 def plan(config: ReplayConfig) -> list[Block]:
@@ -103,11 +114,11 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
             record = load_record(config, files[label])
             noise = estimate_noise(config, files[label])  # refuses a force against positions
         except InputError as error:  # one bad file of many
-            rows = [_make_failed_row(name, 0, str(error))]
+            rows = [Row(name, status=FAILED, reason=str(error))]
         else:
             rows = [*_run_block(config, record, block.content, noise)]
             record.release_memory()
-        table = pd.DataFrame([(label, *row) for row in rows], columns=list(COLUMNS))
+        table = pd.DataFrame(rows, columns=list(Row._fields)).assign(file=label)[list(COLUMNS)]
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 
@@ -117,28 +128,30 @@ def _run_block(
     name, again = content["scheme"], content.get("noise") == ESTIMATED
     if again:
         config = use_estimates(config, noise)
-    sensors = hub.make_sensors(config.sensors)
     if name == NOISE:
-        rows = [_make_row(NOISE, 0, one) for one in noise.measures()]
+        rows = [Row(NOISE, *one) for one in noise.measures()]
     elif name == RECORD:
         found = [] if again else facts.measure_record(config, record)
-        rows = [_make_row(RECORD, 0, one) for one in found]
-        settled = config.measures.find_settled(sensors.step)
-        for replicate in range(count_replicates(config, record)):
-            fixes = listen(config, sensors, record, replicate).fixes
-            errors = measure_baselines(record, fixes, sensors, settled)
-            rows += [_make_row(row, replicate, error) for row, error in errors]
+        rows = [*(Row(RECORD, *one) for one in found), *run_baselines(config, record)]
     else:
         scheme = {one.name: one for one in hub.resolve_all(config.schemes, config)}[name]
-        rows = _run_scheme(config, record, scheme, sensors)
+        rows = _run_scheme(config, record, scheme)
     for row in rows:
-        yield (name_second_run(row[0]), *row[1:]) if again else row
+        yield row._replace(scheme=name_second_run(row.scheme)) if again else row
 
 
-def _run_scheme(
-    config: ReplayConfig, record: ReplayRecord, scheme: hub.Scheme, sensors: hub.Sensors
-) -> list[Row]:
+def run_baselines(config: ReplayConfig, record: ReplayRecord) -> Iterator[Row]:
+    """Yield the rows of the baselines on a record; their `scheme` is that of `BASELINE_ROWS`."""
+    for name, baseline in measures.BASELINE_ROWS.items():
+        axes = "xy" if baseline == "HOLD" else ""
+        for row in _run_scheme(config, record, hub.resolve(baseline)):
+            if row.measure in (*measures.SHOWN, *axes) or row.status == FAILED:
+                yield row._replace(scheme=name)
+
+
+def _run_scheme(config: ReplayConfig, record: ReplayRecord, scheme: hub.Scheme) -> list[Row]:
     rows: list[Row] = []
+    sensors = hub.make_sensors(config.sensors)
     count, settled = count_replicates(config, record), config.measures.find_settled(sensors.step)
     edges = measures.cut_into_parts(settled, record.steps)
     at_once = _choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
@@ -153,9 +166,9 @@ def _run_scheme(
                         tally.add(estimated)
                     del piece, estimated  # free memory for the next piece
             for number, tally in zip(numbers, tallies, strict=True):
-                rows += [_make_row(scheme.name, number, m) for m in tally.measures()]
+                rows += [Row(scheme.name, *measured, number) for measured in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme may fail; the others continue
-            return [_make_failed_row(scheme.name, first, as_text(error))]
+            return [Row(scheme.name, replicate=first, status=FAILED, reason=as_text(error))]
     return rows
 
 
@@ -164,12 +177,3 @@ def _choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest
     if config.engine != "batch" or scheme.batched != "chain":
         return 1
     return max(1, min(hub.WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
-
-
-def _make_row(scheme: str, replicate: int, measured: measures.Measured) -> Row:
-    name, window, value, count = measured
-    return (scheme, name, window, replicate, value, count, OK, "")
-
-
-def _make_failed_row(scheme: str, replicate: int, reason: str) -> Row:
-    return (scheme, "", "", replicate, np.nan, 0, FAILED, reason)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -11,46 +10,28 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.motion.spectra import Spectrum, translated
 from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
 
 #: Number of frequencies in the band at which an error spectrum is computed.
 NODES = 64
-
-
-@dataclass(frozen=True)
-class Expectation:
-    """The errors expected of a scheme.
-
-    spectrum: what motion causes, per unit of motion, at frequencies of the band.
-    floor: what sensor noise causes, whatever the motion.
-    """
-
-    spectrum: hub.ErrorSpectrum
-    floor: hub.NoiseFloor
-
-    def mse(
-        self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
-    ) -> tuple[float, float]:
-        """Compute the expected MSE of position (m^2) and velocity (m^2/s^2), x and y together.
-
-        density: takes Hz, returns the motion's spectral density in any unit; zero outside the band
-            (Hz).
-        rms: of the displacement, m.
-        """
-        position, velocity = hub.expected_mse(self.spectrum, density, band, rms=rms)
-        return position + self.floor.of("position"), velocity + self.floor.of("velocity")
+MEASURES = ("position", "velocity")
 
 
 @lru_cache(maxsize=8)
-def expect_errors(chain: hub.Chain, sensors: hub.Sensors, band: tuple[float, float]) -> Expectation:
-    """Compute the errors expected of a scheme's chain for motions inside a band (Hz)."""
-    return Expectation(
-        hub.error_spectrum(chain, sensors, np.geomspace(*band, NODES)),
-        hub.noise_floor(chain, sensors),
-    )
+def expect_errors(
+    chain: hub.Chain, sensors: hub.Sensors, band: tuple[float, float]
+) -> tuple[hub.ErrorSpectrum, Array]:
+    """Compute the errors expected of a scheme's chain for motions inside a band (Hz).
+
+    Returns what motion causes, per unit of motion, at frequencies of the band; and what sensor
+        noise causes, whatever the motion: MSE of position (m^2) and velocity (m^2/s^2).
+    """
+    floor = hub.noise_floor(chain, sensors)
+    nodes = np.geomspace(*band, NODES)
+    return hub.error_spectrum(chain, sensors, nodes), np.array(list(map(floor.of, MEASURES)))
 
 
 def check_band(config: ReplayConfig) -> None:
@@ -123,11 +104,11 @@ def expect_at_record(
     shape = find_place(config, record)
     if shape is None:
         return None
-    rms = compute_rms_in_band(record)
-    return {
-        name: expectation.mse(shape.density, config.fit_band, rms)
-        for name, expectation in _expect_all(config, record)
-    }
+    rms, expected = compute_rms_in_band(record), {}
+    for name, spectrum, floor in _expect_all(config, record):
+        motion = hub.expected_mse(spectrum, shape.density, config.fit_band, rms=rms)
+        expected[name] = (motion[0] + float(floor[0]), motion[1] + float(floor[1]))
+    return expected
 
 
 def expect_map(
@@ -141,17 +122,15 @@ def expect_map(
     Returns scheme or baseline -> MSE, shape (periods, amplitudes).
     Raises InputError if no errors can be computed for one of the schemes.
     """
-    band = config.fit_band
     ratio = compute_rms_in_band(record) / record["peak"]
-    which = 1 if config.measures.criterion == "velocity" else 0
+    which = MEASURES.index("velocity" if config.measures.criterion == "velocity" else "position")
+    shapes = [translated(float(period), config.spectrum.bandwidth).density for period in periods]
     result: dict[str, Array] = {}
-    for name, expectation in _expect_all(config, record):
-        floor = expectation.floor.of(("position", "velocity")[which])
-        result[name] = np.empty((len(periods), len(amplitudes)))
-        for i, period in enumerate(periods):
-            shape = spectrum("translated", float(period), config.spectrum.bandwidth)
-            unit = expectation.mse(shape.density, band, 1.0)[which] - floor
-            result[name][i] = superpose(unit, 0.0, floor, amplitudes * ratio)
+    for name, spectrum, floor in _expect_all(config, record):
+        units = [hub.expected_mse(spectrum, shape, config.fit_band)[which] for shape in shapes]
+        result[name] = np.array(
+            [superpose(unit, 0.0, floor[which], amplitudes * ratio) for unit in units]
+        )
     return result
 
 
@@ -162,7 +141,7 @@ def list_left_out(config: ReplayConfig) -> list[str]:
 
 def _expect_all(
     config: ReplayConfig, record: Mapping[str, float]
-) -> Iterator[tuple[str, Expectation]]:
+) -> Iterator[tuple[str, hub.ErrorSpectrum, Array]]:
     sensors, left_out = hub.make_sensors(config.sensors), list_left_out(config)
     require(
         len(left_out) < len(config.schemes),
@@ -174,4 +153,4 @@ def _expect_all(
     for scheme in hub.resolve_all([*config.schemes, *baselines], config):
         if scheme.name not in left_out:
             chain = scheme.kernel(hub.Known(sensors, config), steps)
-            yield scheme.name, expect_errors(chain, sensors, config.fit_band)
+            yield scheme.name, *expect_errors(chain, sensors, config.fit_band)
