@@ -6,7 +6,7 @@ The estimates may take the place of what the configuration states.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from threading import Lock
@@ -19,7 +19,7 @@ from owtsweep.config import changed, with_values
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, follow_sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.identification.fit import Fit, describe_disagreement, fit_noise
+from owtsweep.studies.replay.identification.fit import describe_disagreement, fit_noise
 from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
 from owtsweep.studies.replay.loading import Source, load_record, name_source
 from owtsweep.studies.replay.measures import TAILS, Measured
@@ -149,44 +149,37 @@ def _estimate(key: Source) -> Noise:
         integral = integrate_twice(record.specific_force[:steps] @ sensors.rotation.T, record.step)
         time = every * record.step * np.arange(len(positions))
         stated = _state(sensors, source)
-        problem = pose(integral, time, positions, stated[3])
+        start = _choose_start(sensors, stated)
+        problem = pose(integral, time, positions, start[3])
         if problem is None:
             continue
-        fit = fit_noise(problem, stated, measure_floor(record.specific_force[:steps]))
-        for one in _name(fit, sensors, source):
+        fit = fit_noise(problem, start, measure_floor(record.specific_force[:steps]))
+        bounds = np.stack([fit.values, fit.low, fit.high], axis=1)
+        bounds[~np.isfinite(bounds)] = np.nan
+        for (name, value), row in zip(stated.items(), bounds, strict=True):
             # the reference, which is more exact, was first
-            parameters.setdefault(one.parameter, one)
-        disagreement = disagreement or describe_disagreement(problem, stated, fit, source)
+            parameters.setdefault(name, Estimated(name, source, value, *map(float, row)))
+        disagreement = disagreement or describe_disagreement(problem, start, fit, source)
         if fit.kurtosis > 4.0 * fit.kurtosis_error:
             tails = max(tails, fit.kurtosis)
     ordered = tuple(parameters[name] for name in UNITS if name in parameters)
     return Noise(ordered, tails, disagreement)
 
 
-def _state(sensors: Sensors, source: str) -> Array:
-    of_positions = (sensors.position_sigma, sensors.delay * sensors.step)
-    sigma, delay = of_positions if source == "fixes" else (0.2 * sensors.position_sigma, 0.0)
-    return np.array([sensors.force_sigma, sigma, max(sensors.bias_walk, LEAST_WALK), delay])
+def _state(sensors: Sensors, source: str) -> dict[str, float]:
+    """Return what is stated of the parameters of a likelihood, in their order; NaN: nothing."""
+    sigma, delay = {"reference.sigma": np.nan}, {"clock_offset": 0.0}
+    if source == "fixes":
+        sigma = {"sensors.gnss.sigma": sensors.position_sigma}
+        delay = {"sensors.gnss.delay": sensors.delay * sensors.step}
+    force, walk = sensors.force_sigma, sensors.bias_walk
+    return {"sensors.imu.sigma": force, **sigma, "sensors.imu.bias_walk": walk, **delay}
 
 
-def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
-    fixes = source == "fixes"
-    stated = {
-        "sensors.imu.sigma": sensors.force_sigma,
-        "sensors.gnss.sigma" if fixes else "reference.sigma": (
-            sensors.position_sigma if fixes else np.nan
-        ),
-        "sensors.imu.bias_walk": sensors.bias_walk,
-        "sensors.gnss.delay" if fixes else "clock_offset": (
-            sensors.delay * sensors.step if fixes else 0.0
-        ),
-    }
-    bounds = np.stack([fit.values, fit.low, fit.high], axis=1)
-    bounds[~np.isfinite(bounds)] = np.nan
-    return [
-        Estimated(name, source, value, *map(float, row))
-        for (name, value), row in zip(stated.items(), bounds, strict=True)
-    ]
+def _choose_start(sensors: Sensors, stated: Mapping[str, float]) -> Array:
+    force, sigma, walk, delay = stated.values()
+    sigma = 0.2 * sensors.position_sigma if np.isnan(sigma) else sigma
+    return np.array([force, sigma, max(walk, LEAST_WALK), delay])
 
 
 def measure_floor(force: Array) -> float:
