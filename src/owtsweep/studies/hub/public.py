@@ -30,15 +30,15 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.expected.answers import find_winning, judge
+    from owtsweep.studies.hub.expected.answers import make_field
     from owtsweep.studies.hub.noise_floor import noise_floor
 
 __all__ = [
     "BASELINES", "INSTEAD", "JUDGED", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
     "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "OnePassSeries", "Scheme", "Sensors",
-    "assume_tilt", "backend", "bias_of", "chunks", "error_spectrum", "expected_mse", "find_winning",
-    "find_world", "fix_count", "fix_noise", "follow_sensors", "has_acceleration", "judge", "lag_of",
-    "look_constant", "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
+    "assume_tilt", "backend", "bias_of", "chunks", "error_spectrum", "expected_mse", "find_world",
+    "fix_count", "fix_noise", "follow_sensors", "has_acceleration", "lag_of", "look_constant",
+    "make_field", "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
     "state_chunks", "tell_window", "trajectories",
 ]  # fmt: skip
 
@@ -49,7 +49,7 @@ _HOMES = {
     "describe": ["tell_window"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
-    "expected.answers": ["find_winning", "judge"],
+    "expected.answers": ["make_field"],
     "noise_floor": ["noise_floor"],
 }
 

@@ -6,6 +6,7 @@ The columns are those of a study with records, but there are no confidence inter
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -22,6 +23,10 @@ from owtsweep.studies.hub.conditions import JUDGED, criteria
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import ask, make_cube
 from owtsweep.studies.hub.listed import list_baselines
+
+if TYPE_CHECKING:
+    from owtsweep.figures.smooth_map import Field
+    from owtsweep.results.conditions import Condition
 
 #: Two schemes are distinguishable if their MSE differs by more than this, relatively. It is the
 #: accuracy of the expected errors.
@@ -61,6 +66,36 @@ def find_winning(
         return np.full(mse_best.shape, -1), np.full(mse_best.shape, -np.inf)
     lead = np.log(mse_best / values.min(axis=0))
     return np.where(lead > resolution, np.argmin(values, axis=0), -1), lead
+
+
+def make_field(
+    axes: tuple[Condition, Condition],
+    places: tuple[Array, Array],
+    values: Array,
+    rivals: Array,
+    resolution: float = RESOLUTION,
+) -> Field:
+    """Judge a map of expected errors over two conditions, for `figures.smooth_map`.
+
+    axes, places: the conditions and their values, across and upwards.
+    values, rivals: the MSE of the schemes and of the baselines, shape (schemes, columns, lines).
+    resolution: how much two MSE must differ, relatively, to be told apart.
+    """
+    from owtsweep.figures.smooth_map import Field
+
+    judged = judge(values)
+    winning, lead = find_winning(rivals, judged.mse_best, resolution)
+    return Field(
+        *axes,
+        *places,
+        values=values,
+        best=np.where(winning >= 0, -1, judged.best),
+        excess=100.0 * judged.difference / judged.mse_best,
+        distinguishable=~(judged.difference <= resolution * judged.mse_best),
+        resolution=resolution,
+        baseline=winning,
+        lead=lead,
+    )
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:

@@ -102,23 +102,10 @@ def draw_map(
     cube = Cube.of_rows(fine, [*schemes, *baselines], CONDITIONS, places)
     errors = answers.expect(cube, criterion, window)
     values, beside = errors[: len(schemes)], errors[len(schemes) :]
-    verdict = answers.judge(values)
-    winning, lead = answers.find_winning(beside, verdict.mse_best)
     amplitude = f"amplitude: {MEANING[config.normalise]} along the waves"
-    field = smooth_map.Field(
-        across=NATURAL_PERIOD,
-        upwards=replace(AMPLITUDE, label=amplitude),
-        columns=periods,
-        lines=amplitudes,
-        values=values,
-        best=np.where(winning >= 0, -1, verdict.best),
-        excess=100.0 * (verdict.mse_runner_up / verdict.mse_best - 1.0),
-        distinguishable=verdict.difference > answers.RESOLUTION * verdict.mse_best,
-        resolution=answers.RESOLUTION,
-        baseline=winning,
-        lead=lead,
-    )
-    won = [name for place, name in enumerate(baselines) if (winning == place).any()]
+    axes = (NATURAL_PERIOD, replace(AMPLITUDE, label=amplitude))
+    field = answers.make_field(axes, (periods, amplitudes), values, beside)
+    won = [name for place, name in enumerate(baselines) if (field.baseline == place).any()]
     return smooth_map.draw(
         field,
         schemes,

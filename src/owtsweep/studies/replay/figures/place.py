@@ -13,7 +13,7 @@ from owtsweep.figures import smooth_map
 from owtsweep.figures.smooth_map import Field
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.contest import agree, group_coinciding
-from owtsweep.studies.hub.public import BASELINES, find_winning, judge
+from owtsweep.studies.hub.public import BASELINES, make_field
 from owtsweep.studies.replay.advice import LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files, name_file
@@ -91,26 +91,8 @@ def _make_field(
     baselines = [name for name in expected if name in BASELINES and name not in config.schemes]
     rivals = np.array([expected.pop(name) for name in baselines])
     values = np.array(list(expected.values()))
-    judged = judge(values)
-    excess = judged.difference / judged.mse_best
-    winning, lead = find_winning(rivals, judged.mse_best, LEAST_MARGIN)
-    return (
-        list(expected),
-        baselines,
-        Field(
-            across=ACROSS,
-            upwards=UPWARDS,
-            columns=periods,
-            lines=amplitudes,
-            values=values,
-            best=np.where(winning >= 0, -1, judged.best),
-            excess=100.0 * excess,
-            distinguishable=~(excess < LEAST_MARGIN),
-            resolution=LEAST_MARGIN,
-            baseline=winning,
-            lead=lead,
-        ),
-    )
+    axes, places = (ACROSS, UPWARDS), (periods, amplitudes)
+    return list(expected), baselines, make_field(axes, places, values, rivals, LEAST_MARGIN)
 
 
 def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> None:
