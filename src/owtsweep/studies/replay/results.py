@@ -12,21 +12,12 @@ import pandas as pd
 from owtsweep.errors import InputError
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import SCHEMES, resolve_all
-from owtsweep.studies.replay import advice
+from owtsweep.studies.replay import advice, measures
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.of_record import UNITS
-from owtsweep.studies.replay.measures import (
-    BASELINE_ROWS,
-    ESTIMATED,
-    NOISE,
-    STATED,
-    TAILS,
-    WINDOWS,
-    name_second_run,
-)
 from owtsweep.studies.replay.place import expect_at_record
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
@@ -37,7 +28,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     done = rows[rows["status"] == OK]
     schemes = rank_schemes(config)
     labels = list(label_files(config.grid.files))
-    shown = [*schemes, *BASELINE_ROWS]
+    shown = [*schemes, *measures.BASELINE_ROWS]
     errors = _average_errors(done[done["scheme"].isin(shown)], labels, shown)
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
@@ -66,7 +57,7 @@ def rank_schemes(config: ReplayConfig) -> dict[str, int]:
 def _average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    kept = rows[rows["window"].isin(WINDOWS)]
+    kept = rows[rows["window"].isin(measures.WINDOWS)]
     keys = ["file", "scheme", "measure", "window"]
     lines = []
     for key, group in kept.groupby(keys, sort=False):
@@ -75,8 +66,8 @@ def _average_errors(
         half = float(t_quantile(n - 1) * error)
         lines.append((*key, float(mean), float(mean) - half, float(mean) + half, int(n)))
     table = pd.DataFrame(lines, columns=[*keys, "mean", "ci_low", "ci_high", "n"])
-    measures = dict.fromkeys(table["measure"])
-    return _sort(table, file=files, scheme=schemes, measure=[*measures], window=WINDOWS)
+    named = dict.fromkeys(table["measure"])
+    return _sort(table, file=files, scheme=schemes, measure=[*named], window=measures.WINDOWS)
 
 
 def _sort(table: pd.DataFrame, **order: Sequence[str]) -> pd.DataFrame:
@@ -97,7 +88,7 @@ def _list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]
 
 def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     numbers = ["stated", "estimate", "low", "high"]
-    kept = rows[rows["scheme"] == NOISE]
+    kept = rows[rows["scheme"] == measures.NOISE]
     wide = kept.pivot_table(index=["file", "measure"], columns="window", values="value")
     table = wide.reindex(columns=numbers).reset_index()
     table[["source", "parameter"]] = (
@@ -105,7 +96,7 @@ def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     )
     table["unit"] = table["parameter"].map(UNITS).fillna("")
     table["inside"] = ~((table["stated"] < table["low"]) | (table["stated"] > table["high"]))
-    table = _sort(table, file=files, parameter=[*UNITS, TAILS])
+    table = _sort(table, file=files, parameter=[*UNITS, measures.TAILS])
     return table[["file", "parameter", "unit", "source", *numbers, "inside"]]
 
 
@@ -116,7 +107,9 @@ def _advise(
     files: Sequence[str],
     records: pd.DataFrame,
 ) -> Iterator[dict[str, object]]:
-    again = {name_second_run(scheme): scheme for scheme in [*schemes, *BASELINE_ROWS]}
+    again = {
+        measures.name_second_run(scheme): scheme for scheme in [*schemes, *measures.BASELINE_ROWS]
+    }
     judge = partial(
         advice.advise,
         schemes=schemes,
@@ -125,7 +118,7 @@ def _advise(
     )
     for file in files:
         of_file = rows[rows["file"] == file]
-        stated = judge(of_file[of_file["scheme"].isin([*schemes, *BASELINE_ROWS])])
+        stated = judge(of_file[of_file["scheme"].isin([*schemes, *measures.BASELINE_ROWS])])
         second = of_file[of_file["scheme"].isin([*again])]
         estimated = judge(second.assign(scheme=second["scheme"].map(again)))
         if stated and estimated:
@@ -135,7 +128,11 @@ def _advise(
         if not record.empty:
             with suppress(InputError):  # a scheme has no expectation; the report says so
                 by_map = _advise_from_map(config, schemes, pick_facts(record), stated)
-        noises = ((stated, STATED), (by_map, STATED), (estimated, ESTIMATED))
+        noises = (
+            (stated, measures.STATED),
+            (by_map, measures.STATED),
+            (estimated, measures.ESTIMATED),
+        )
         yield from ({"file": file, **row, "noise": noise} for row, noise in noises if row)
 
 
