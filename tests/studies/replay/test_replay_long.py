@@ -168,11 +168,11 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     whole = {}
     for name in config.schemes:
         for steps in one.windows.values():
-            state, deviation = one.read(name, steps)
+            state, deviation = np.split(one.read(name, steps), 2, axis=1)
             rows = stored[stored["scheme"] == name].iloc[steps]
             assert np.allclose(state + np.append(one.record.origin, [0, 0]), rows[[*STATES]], 1e-12)
             assert np.array_equal(deviation, rows[[*DEVIATIONS]])
-        whole[name] = one.read(name, one.windows["whole"])[0]
+        whole[name] = one.read(name, one.windows["whole"], STATES)
     # with this tuning MKF is the same estimator as EKF
     assert traces.find_distinct(whole) == [name for name in config.schemes if name != "EKF"]
     drawn = [traces.collect_traces(one, name, zoom=False) for name in ("bias", "acceleration")]
@@ -199,7 +199,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
 def test_the_windows_are_about_the_largest_motion(tmp_path):
     path = motion_file(tmp_path / "a.csv", duration=60.0)
     record = load_record(config_of([path]), str(path))
-    found = traces.choose_windows(record, [record.position])
+    found = traces.choose_windows(record, record.position)
     time, size = record.time_at(slice(None)), np.hypot(*record.position.T)
     inside = (time >= time[0] + 27.5) & (time <= time[-1] - 7.5)
     middle = time[np.argmax(np.where(inside, size, -1.0))]

@@ -230,10 +230,6 @@ def _make_columns(
     for estimated in pieces:
         part = slice(first, first + len(estimated.state))
         first = part.stop
-        state, deviation = estimated.state + origin, estimated.deviation
-        yield {
-            "time": record.time_at(part),
-            "scheme": [name] * len(state),
-            **{column: state[:, i] for i, column in enumerate(STATES)},
-            **{f"{column}_std": deviation[:, i] for i, column in enumerate(STATES)},
-        }
+        numbers = np.vstack([(estimated.state + origin).T, estimated.deviation.T])
+        names = [name] * len(estimated.state)
+        yield dict(zip(COLUMNS, (record.time_at(part), names, *numbers), strict=True))

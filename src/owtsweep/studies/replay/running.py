@@ -21,7 +21,7 @@ from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.of_record import estimate_noise
-from owtsweep.studies.replay.loading import load_record, measure_sensors, tell_lean
+from owtsweep.studies.replay.loading import load_record, measure_sensors
 from owtsweep.studies.replay.place import check_band
 from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
@@ -166,17 +166,16 @@ def verify(config: ReplayConfig) -> Verified:
         name = f"{printable(Path(file).name)}: " if len(files) > 1 else ""
         try:
             record = load_record(config, file)
-            notes |= {f"{name}{note}": None for note in record.notes}
-            if (lean := tell_lean(config, file)) and len(files) > 1:  # of one: beside the advice
-                notes[f"{name}{lean}"] = None
-            for scheme in schemes:
-                if record.steps * record.step < scheme.least_duration:
-                    notes[
-                        f"{name}{scheme.name} had no time to choose a spectrum, which takes "
-                        f"{scheme.least_duration:g} s"
-                    ] = None
-            if said := estimate_noise(config, file).disagreement:
-                notes[f"{name}{said}"] = None
+            said = [*record.notes, *[record.lean] * (len(files) > 1)]  # of one: beside the advice
+            said += [
+                f"{scheme.name} had no time to choose a spectrum, which takes "
+                f"{scheme.least_duration:g} s"
+                for scheme in schemes
+                if record.steps * record.step < scheme.least_duration
+            ]
+            notes |= {f"{name}{note}": None for note in said if note}
+            if doubt := estimate_noise(config, file).disagreement:
+                notes[f"{name}{doubt}"] = None
         except InputError as error:
             refused[file] = str(error)
     if len(refused) == len(files):

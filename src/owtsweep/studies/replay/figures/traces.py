@@ -7,7 +7,7 @@ not stored, so filters run again for them, piece by piece.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -19,7 +19,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures.lines import POINTS, Envelope, Line, Pair, make_line, make_pair
 from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, WRITTEN, make_lanes, rotate_force
+from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, make_lanes, rotate_force
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import find_judging_steps, foresee_fixes
 from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, simulate_true_bias
@@ -87,30 +87,29 @@ class Session:
         #: The names of the schemes that have estimates.
         self.names = list(dict.fromkeys(group.column(1).statistics.min for group in groups))
 
-    def read(self, name: str, steps: slice[int]) -> tuple[Array, Array]:
-        """Return a scheme's states and their standard deviations in a slice, shape (n, 4) each."""
+    def read(
+        self, name: str, steps: slice[int], columns: Sequence[str] = (*STATES, *DEVIATIONS)
+    ) -> Array:
+        """Return columns of a scheme's estimates in a slice, shape (n, columns); x and y first."""
         from pyarrow import parquet
 
         first, last = self.record.time_at(steps)[[0, -1]]
         half = 0.5 * self.record.step
         inside = [("scheme", "==", name), ("time", ">", first - half), ("time", "<", last + half)]
         table = parquet.read_table(
-            self.estimates, columns=[*STATES, *DEVIATIONS], filters=inside, use_threads=False
+            self.estimates, columns=list(columns), filters=inside, use_threads=False
         )
         values = np.column_stack([column.to_numpy() for column in table.columns])
         values[:, :2] -= self.record.origin
-        return values[:, :4], values[:, 4:]
+        return values
 
     @cached_property
     def windows(self) -> dict[str, slice[int]]:
         """The parts of the record that figures show, with their steps (see `choose_windows`)."""
-        record = self.record
-        edges = cut_into_pieces(record.steps, WRITTEN)  # those of the file: each is read once
-        pieces = itertools.starmap(slice, itertools.pairwise(edges))
-        if record.position is not None:
-            return choose_windows(record, (record.position[piece] for piece in pieces))
-        states = (self.read(self.names[0], piece)[0] for piece in pieces)
-        return choose_windows(record, (state[:, :2] for state in states))
+        position = self.record.position
+        if position is None:
+            position = self.read(self.names[0], slice(None), STATES[:2])
+        return choose_windows(self.record, position)
 
     @cached_property
     def chains(self) -> dict[str, hub.Chain]:
@@ -125,30 +124,22 @@ class Session:
         }
 
 
-def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice[int]]:
+def choose_windows(record: ReplayRecord, position: Array) -> dict[str, slice[int]]:
     """Choose the parts of a record that figures show: name of the part -> its steps.
 
     "whole" is the record's beginning, at most `SPAN` s; "zoom" and "acceleration" lie around the
     largest motion after `SETTLING` s, or around the middle of a record that is too short.
 
-    positions: true or estimated ones, in pieces of shape (n, 2), m; NaN where unknown.
+    position: the true or an estimated one, shape (steps, 2), m; NaN where unknown.
     """
-    found = dict.fromkeys(ZOOMS, (0.0, record.steps // 2))
-    begin = 0
-    for xy in positions:
-        time = record.time_at(slice(begin, begin + len(xy)))
-        size = np.where(np.isfinite(xy[:, 0]), np.hypot(xy[:, 0], xy[:, 1]), -1.0)
-        for name, length in ZOOMS.items():
-            first, last = record.begin + SETTLING + length / 2, record.end - length / 2
-            here = np.where((time >= first) & (time <= last), size, -1.0)
-            at = int(np.argmax(here))
-            if here[at] > found[name][0]:
-                found[name] = (float(here[at]), begin + at)
-        begin += len(xy)
+    time, size = record.time_at(slice(None)), np.nan_to_num(np.hypot(*position.T))
     windows = {"whole": _select(record, record.begin, record.begin + SPAN)}
-    for name, (_, step) in found.items():
-        start = max(record.begin + record.step * step - ZOOMS[name] / 2, record.begin)
-        windows[name] = _select(record, start, start + ZOOMS[name])
+    for name, length in ZOOMS.items():
+        first, last = record.begin + SETTLING + length / 2, record.end - length / 2
+        inside = np.where((time >= first) & (time <= last), size, 0.0)
+        step = int(np.argmax(inside)) if np.any(inside) else record.steps // 2
+        start = max(record.begin + record.step * step - length / 2, record.begin)
+        windows[name] = _select(record, start, start + length)
     return windows
 
 
@@ -200,9 +191,9 @@ def _trace(
 def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
     time, columns = session.record.time_at(steps), COLUMNS[quantity]
     seen = {name: session.read(name, steps) for name in session.names}
-    states = {name: state[:, columns] for name, (state, _) in seen.items()}
+    states = {name: values[:, columns] for name, values in seen.items()}
     traces = _trace(session, quantity, steps, states)
-    deviations = {name: (time, seen[name][1][:, columns.start]) for name in traces.lines}
+    deviations = {name: (time, seen[name][:, 4 + columns.start]) for name in traces.lines}
     traces = replace(traces, deviations=deviations)
     if quantity != "position":
         return traces
@@ -217,7 +208,7 @@ def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
     at = judging[judged] - steps.start
     residuals = {}
     for scheme in traces.lines:
-        state, deviation = seen[scheme]
+        state, deviation = np.split(seen[scheme], 2, axis=1)
         apart = fixes[judged, 0] - foresee_fixes(state[at], sensors)[:, 0]
         scaled = apart / np.hypot(deviation[at, 0], sensors.position_sigma)
         if np.any(there := np.isfinite(scaled)):
