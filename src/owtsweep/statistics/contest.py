@@ -86,19 +86,18 @@ class Challenge(NamedTuple):
     p_baseline: Array
 
 
-def contest(values: Array, means: Array | None = None) -> Contest:
+def contest(values: Array) -> Contest:
     """Compare the schemes in every cell over the replicates that all of them finished.
 
     `values` has the shape (schemes, cells, replicates); NaN where a scheme did not finish a
     replicate. The scheme of least mean is the best. A scheme without any value in a cell takes no
     part in it. Two schemes coincide in a cell if their values agree to `COINCIDENCE` in every
-    replicate that is compared. `means`, (schemes, cells), take the place of the means over these
-    replicates.
+    replicate that is compared.
     """
     took_part, common = find_common(values)
     n = common.sum(axis=-1)
     judged = took_part.any(axis=0) & (n > 0)
-    means = _average(values, common) if means is None else means
+    means = _average(values, common)
     best, place, _, told_apart = rank(means, find_alike(values, took_part, common), took_part)
     second = judged & (place >= 0)
     cells = np.arange(values.shape[1])

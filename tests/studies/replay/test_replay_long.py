@@ -196,6 +196,14 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     assert all(0.3 < np.std(values) < 3.0 for values in scaled)
 
 
+def test_a_scheme_that_failed_has_no_estimates(tmp_path):
+    path = motion_file(tmp_path / "a.csv", duration=30.0)
+    config = config_of([path], "schemes=[EKF,MKF]")
+    write_estimates(config, str(path), tmp_path, print, failed=["EKF"])
+    assert {*pd.read_parquet(tmp_path / "estimates.parquet")["scheme"]} == {"MKF"}
+    assert [one.name for one in (tmp_path / "estimates").iterdir()] == ["MKF.csv"]
+
+
 def test_the_windows_are_about_the_largest_motion(tmp_path):
     path = motion_file(tmp_path / "a.csv", duration=60.0)
     record = load_record(config_of([path]), str(path))

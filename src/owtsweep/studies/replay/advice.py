@@ -18,7 +18,7 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.verdicts import SEPARATOR
-from owtsweep.statistics.contest import agree, contest
+from owtsweep.statistics.contest import find_alike, find_common, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES
 from owtsweep.studies.replay.measures import BASELINE_ROWS
@@ -55,31 +55,34 @@ def compare(
     Returns the columns of the table of advice from `best` to `matters`, with an empty `runner_up`
         if no scheme differs from the best; None if no scheme has a value.
     """
-    found = contest(samples[:, np.newaxis], None if whole is None else whole[:, np.newaxis])
-    judged, n, best, second, value_best, value_second, *_ = (each[0] for each in found)
-    if not judged:
+    took_part, common = find_common(samples[:, np.newaxis])
+    if not took_part.any() or not common.any():
         return None
-    took_part = np.isfinite(samples).any(axis=1)
-    common = np.isfinite(samples[took_part]).all(axis=0)
-    same = [i for i in range(len(samples)) if agree(samples[i], samples[best])[common].all()]
+    kept = np.compress(common[0], samples, axis=1)
+    mean = kept.mean(axis=1) if whole is None else whole
+    alike = find_alike(samples[:, np.newaxis], took_part, common)
+    ranking = rank(mean[:, np.newaxis], alike, took_part)
+    best, second = int(ranking.best[0]), int(ranking.runner_up[0])
+    same = np.flatnonzero(ranking.like_best[:, 0])
     row: dict[str, object] = {
         "best": schemes[best],
-        "same_as": " ".join(schemes[i] for i in same if i != best),
-        "value_best": float(value_best),
-        "n": int(n),
+        "same_as": " ".join(schemes[int(i)] for i in same if i != best),
+        "value_best": float(mean[best]),
+        "n": int(kept.shape[1]),
     }
-    if second < 0 or second in same:
+    if not ranking.told_apart[0]:
         return row | {"runner_up": "", "matters": False}
-    margin = float(found.difference[0] / value_best)
-    excludes_zero = n == 1 or found.ci_low[0] > 0.0
+    difference, half = _compare(kept, mean, second, best)
+    margin = difference / float(mean[best])
+    excludes_zero = kept.shape[1] == 1 or difference - half > 0.0
     return row | {
         "runner_up": schemes[second],
-        "value_runner_up": float(value_second),
+        "value_runner_up": float(mean[second]),
         "margin": margin,
-        "difference": float(found.difference[0]),
-        "ci_low": float(found.ci_low[0]),
-        "ci_high": float(found.ci_high[0]),
-        "matters": bool(excludes_zero and margin >= LEAST_MARGIN),
+        "difference": difference,
+        "ci_low": difference - half,
+        "ci_high": difference + half,
+        "matters": excludes_zero and margin >= LEAST_MARGIN,
     }
 
 

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import Updating, run_steps
 from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 from owtsweep.studies.hub import public as hub
@@ -124,43 +123,30 @@ def _run_estimator(
         yield run_steps(estimator, np.ascontiguousarray(force[begin:end]), positions, first=begin)
 
 
-class SchemeFailed(Exception):
-    """The error for a scheme that fails on a record; its attribute `name` is the scheme's name."""
-
-    def __init__(self, name: str, cause: BaseException) -> None:
-        self.name = name
-        super().__init__(as_text(cause))
-
-
-def _run_scheme(
-    config: ReplayConfig,
-    scheme: hub.Scheme,
-    sensors: hub.Sensors,
-    signals: Signals,
-    edges: list[int],
-) -> Iterator[Trajectory]:
-    try:
-        for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
-            yield piece
-    except (Exception, SystemExit) as error:
-        raise SchemeFailed(scheme.name, error) from error
-
-
 def write_estimates(
-    config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]
+    config: ReplayConfig,
+    file: str,
+    folder: Path,
+    say: Callable[[str], None],
+    failed: Collection[str] = (),
 ) -> None:
     """Write all schemes' estimates on a record (replicate 0) to Parquet, and to a CSV per scheme.
 
     The columns are `COLUMNS`: time in s and x, y in m as in the record's file, m/s, and standard
-    deviations, NaN without a covariance; the CSV have no `scheme`. A scheme that fails is left out.
+    deviations, NaN without a covariance; the CSV have no `scheme`.
 
     folder: is made if need be.
     say: shows the user a line, before slow work on a long record.
+    failed: names of schemes that failed on the record; they are left out.
     """
+    import pyarrow as pa
+    import pyarrow.csv as pc
+    import pyarrow.parquet as pq
+
     record = load_record(config, file)
     sensors = hub.make_sensors(config.sensors)
     signals = listen(config, sensors, record, 0)
-    schemes = {scheme.name: scheme for scheme in hub.resolve_all(config.schemes, config)}
+    schemes = [one for one in hub.resolve_all(config.schemes, config) if one.name not in failed]
     (folder / "estimates").mkdir(parents=True, exist_ok=True)
     if record.steps > LONG:
         rows = record.steps * len(schemes)
@@ -168,44 +154,25 @@ def write_estimates(
             f"writing {rows:,} rows of estimates, some {rows * ROW[0] / 1e9:.1f} GB of CSV and "
             f"{rows * ROW[1] / 1e9:.1f} GB of Parquet"
         )
-    while True:
-        pieces = {
-            name: _run_scheme(
-                config, scheme, sensors, signals, cut_into_pieces(record.steps, WRITTEN)
-            )
-            for name, scheme in schemes.items()
-        }
-        try:
-            _write_all(record, pieces, folder)
-            break
-        except SchemeFailed as error:  # start again, so that the files hold no part of this scheme
-            del schemes[error.name]
-    record.release_memory()
-
-
-def _write_all(
-    record: ReplayRecord, schemes: Mapping[str, Iterator[Trajectory]], folder: Path
-) -> None:
-    import pyarrow as pa
-    import pyarrow.csv as pc
-    import pyarrow.parquet as pq
-
     fields = [(name, pa.string() if name == "scheme" else pa.float64()) for name in COLUMNS]
     schema = pa.schema(fields)
     schema_of_csv = schema.remove(schema.get_field_index("scheme"))
+    edges = cut_into_pieces(record.steps, WRITTEN)
     with (
         _replace_when_written(folder / "estimates.parquet") as target,
         pq.ParquetWriter(target, schema, write_page_checksum=True) as writer,
     ):
-        for name, pieces in schemes.items():
+        for scheme in schemes:
+            pieces = estimate_pieces(config, scheme, sensors, [signals], edges)
             with (
-                _replace_when_written(folder / "estimates" / f"{name}.csv") as temporary,
+                _replace_when_written(folder / "estimates" / f"{scheme.name}.csv") as temporary,
                 pc.CSVWriter(temporary, schema_of_csv) as text,
             ):
-                for columns in _make_columns(record, pieces, name):
+                for columns in _make_columns(record, pieces, scheme.name):
                     table = pa.table(columns, schema=schema)
                     writer.write_table(table)
                     text.write_table(table.drop_columns(["scheme"]))
+    record.release_memory()
 
 
 @contextmanager
@@ -223,11 +190,11 @@ def _replace_when_written(path: Path) -> Iterator[str]:
 
 
 def _make_columns(
-    record: ReplayRecord, pieces: Iterator[Trajectory], name: str
+    record: ReplayRecord, pieces: Iterator[tuple[Trajectory, ...]], name: str
 ) -> Iterator[dict[str, object]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
     first = 0
-    for estimated in pieces:
+    for (estimated,) in pieces:
         part = slice(first, first + len(estimated.state))
         first = part.stop
         numbers = np.vstack([(estimated.state + origin).T, estimated.deviation.T])

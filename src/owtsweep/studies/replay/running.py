@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, get_key, require
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError, as_text, printable
 from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
+from owtsweep.results.status import FAILED
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
@@ -213,16 +214,20 @@ def execute(
         say(f"left out: {reason}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     folders = locate_estimates(config, outcome.run.place)
+    stored, _ = outcome.run.stored()
+    lost = [rows.loc[rows["status"] == FAILED, ["file", "scheme"]] for rows in stored.values()]
     unwritten = []
     for file, (label, folder) in zip(config.grid.files, folders.items(), strict=True):
         if file in verified.refused:
             continue
+        failed = [scheme for rows in lost for scheme in rows.loc[rows["file"] == label, "scheme"]]
         try:
             with refuse_in_one_line(folder):
-                write_estimates(config, file, folder, say)
-        except InputError as error:  # no case is lost: all are stored
-            logger.warning("failed: estimates of %s: %s", label, error)
-            unwritten.append(Setback(f"estimates of {label}", str(error), 0))
+                write_estimates(config, file, folder, say, failed)
+        except (Exception, SystemExit) as error:  # no case is lost: all are stored
+            reason = str(error) if isinstance(error, InputError) else as_text(error)
+            logger.warning("failed: estimates of %s: %s", label, reason)
+            unwritten.append(Setback(f"estimates of {label}", reason, 0))
     return replace(outcome, failed=[*outcome.failed, *unwritten])
 
 
