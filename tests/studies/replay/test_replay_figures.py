@@ -46,13 +46,13 @@ def make_traces(size: float) -> Traces:
 
 
 def test_the_advised_scheme_is_on_top_and_what_is_cut_is_told():
-    session = SimpleNamespace(names=NAMES)
+    session = SimpleNamespace(names=NAMES, advised="HME1")
     traces = make_traces(size=3.0)
-    values = histories._make_values_panel(session, "position", 0, traces, "HME1")
-    errors = histories._make_errors_panel(session, "position", traces, "HME1")
+    values = histories._make_values_panel(session, "position", 0, traces)
+    errors = histories._make_errors_panel(session, "position", traces)
     for panel in (values, errors):
         heights = [mark.look["zorder"] for mark in panel.marks if hasattr(mark, "look")]
         assert heights == [2.5, time_histories.ON_TOP, 2.5]
     assert errors.note == "not shown: errors beyond ±0.6 m at the start"
-    inside = histories._make_errors_panel(session, "position", make_traces(size=0.55), None)
+    inside = histories._make_errors_panel(session, "position", make_traces(size=0.55))
     assert inside.note == ""

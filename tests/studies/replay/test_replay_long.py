@@ -163,7 +163,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
         sensor_file(path, duration=60.0, reference=kind == "reference")
     config = config_of([path])
     write_estimates(config, str(path), tmp_path, print)
-    one = traces.Session(config, str(path), tmp_path / "estimates.parquet")
+    one = traces.Session(config, str(path), None, {}, tmp_path / "estimates.parquet")
     stored = pd.read_parquet(tmp_path / "estimates.parquet")
     whole = {}
     for name in config.schemes:
@@ -179,7 +179,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     monkeypatch.setattr(recorded, "PIECE", 640)
     monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
     write_estimates(config, str(path), tmp_path, print)
-    other = traces.Session(config, str(path), tmp_path / "estimates.parquet")
+    other = traces.Session(config, str(path), None, {}, tmp_path / "estimates.parquet")
     assert one.windows == other.windows
     assert set(one.chains) == set(config.schemes) - {"SKFA"}
     again = [traces.collect_traces(other, name, zoom=False) for name in ("bias", "acceleration")]
@@ -288,7 +288,7 @@ def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     config = config_of([small], "replay.replicates=1")
     list(blocks.run(config, blocks.plan(config)))  # compiling takes memory of its own
     write_estimates(config, str(small), tmp_path, print)
-    session = traces.Session(config, str(small), tmp_path / "estimates.parquet")
+    session = traces.Session(config, str(small), None, {}, tmp_path / "estimates.parquet")
     traces.collect_traces(session, "bias", zoom=False)
     rows = 400_000
     peak, run = replay_long(tmp_path, rows, "replay.replicates=1", "schemes=[MKF,HME1,HME2]")

@@ -9,7 +9,7 @@ from replay_tools import motion_file
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import read
-from owtsweep.studies.replay.running import compose_replay, expand, quote_texts
+from owtsweep.studies.replay.running import compose_replay, expand, quote_text
 
 
 @pytest.mark.parametrize(
@@ -27,7 +27,7 @@ def test_other_overrides_stay_as_they_are():
         "columns.time=null", "columns.time=", "columns.time='a b'", 'columns.time="a b"',
         "columns.time=${experiment}", "replay.band=[0.1,0.5]", "columns.time=t_1.x/y-z",
     ]  # fmt: skip
-    assert quote_texts(words) == words
+    assert [quote_text(word) for word in words] == words
 
 
 @pytest.mark.parametrize(

@@ -125,23 +125,20 @@ class ReplayStudy(HubKeys, Engine):
         if len(config.grid.files) > 1:
             draw = partial(records.draw, config, tables["records"], tables["advice"])
             return {self.overview(config): save_figure(draw, metadata)}
-        open_session = cache(partial(traces.Session, config, config.grid.files[0]))
         advice, failures = tables["advice"], rows[rows["status"] == FAILED]
         # a baseline has no lines in the figures
         advised = str(advice.iloc[0]["recommended"]) if len(advice) else None
         failed = dict(zip(failures["scheme"], failures["reason"], strict=True))
+        open_session = cache(partial(traces.Session, config, config.grid.files[0], advised, failed))
 
         def draw_history(folder: Path, name: str) -> list[Path]:
             # the folder of a question that is not the latest holds its own estimates
             own = folder.parent / ESTIMATES
             path = own if own.is_file() else (find_home(folder.parent) or folder.parent) / ESTIMATES
-
-            def draw() -> Figure:
-                quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
-                session = open_session(path)
-                return histories.draw(session, quantity, zoom=zoom, advised=advised, failed=failed)
-
-            return save_figure(draw, metadata)(folder, name)
+            quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
+            return save_figure(
+                lambda: histories.draw(open_session(path), quantity, zoom=zoom), metadata
+            )(folder, name)
 
         def draw_of_facts(draw: Callable[..., Figure]) -> Drawing:
             return save_figure(lambda: draw(config, pick_facts(tables["records"])), metadata)

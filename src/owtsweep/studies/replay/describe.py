@@ -11,7 +11,7 @@ import pandas as pd
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.motion.recorded import tell_alone
-from owtsweep.results.answer import tell_cell
+from owtsweep.results.answer import count_names, tell_cell
 from owtsweep.results.verdicts import SEPARATOR
 from owtsweep.studies.hub.public import INSTEAD, JUDGED, assume_tilt, make_sensors, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN, advise
@@ -139,12 +139,10 @@ def _tell(row: Mapping[Any, Any], counted: str = "") -> list[str]:
 def count_advice(advised: pd.DataFrame) -> str:
     """Say how often each scheme is recommended, by the errors on the records."""
     by_record = advised[(advised["source"] != "map") & (advised["noise"] != ESTIMATED)]
-    counts = by_record["recommended"].value_counts()
-    best = ", ".join(f"{name} in {count}" for name, count in counts.items())
     alike = int((~by_record["matters"].astype(bool)).sum())
     return (
-        f"{len(by_record)} records; recommended: {best}; in {alike} no difference between schemes "
-        "that matters (report.md)"
+        f"{len(by_record)} records; recommended: {count_names(by_record['recommended'])}; in "
+        f"{alike} no difference between schemes that matters (report.md)"
     )
 
 

@@ -45,7 +45,7 @@ _PLAIN = re.compile(r"[\w./-]*")
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
     """Compose and check the configuration of a replay, whose files may be named later."""
-    config = compose(quote_texts(overrides), config_dir, primary="replay")
+    config = compose([quote_text(word) for word in overrides], config_dir, primary="replay")
     assert isinstance(config, ReplayConfig)  # `compose` refuses other studies
     return config
 
@@ -108,15 +108,11 @@ def expand(words: Sequence[str]) -> list[str]:
     return list(paths)
 
 
-def quote_texts(overrides: Sequence[str]) -> list[str]:
-    """Quote names of channels and units that Hydra would not take as they are.
+def quote_text(word: str) -> str:
+    """Quote the name of a channel or unit in an override that Hydra would not take as it is.
 
     So `columns.position_x=TwHt1TPxi [m]` works as typed. Values with quotes or `${...}` stay.
     """
-    return [_quote(word) for word in overrides]
-
-
-def _quote(word: str) -> str:
     found = _TEXT.fullmatch(word)
     if found is None:
         return word

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -21,21 +21,12 @@ from owtsweep.studies.replay.measures import QUANTILE
 REACH = 6.0
 
 
-def draw(
-    session: Session,
-    quantity: str,
-    *,
-    zoom: bool,
-    advised: str | None,
-    failed: Mapping[str, str],
-) -> Figure:
+def draw(session: Session, quantity: str, *, zoom: bool) -> Figure:
     """Draw a quantity over time: a panel for x, a panel for y, and a panel for the errors of x.
 
     If the truth is unknown, distances from later fixes take the place of position errors.
 
     zoom: whether to show only some seconds around the largest motion after settling.
-    advised: the recommended scheme: it is drawn on top, its ±1.96 standard deviations as a band.
-    failed: scheme that failed -> the reason.
     Raises InputError if no scheme estimates the quantity.
     """
     shown = collect_traces(session, quantity, zoom=zoom)
@@ -44,14 +35,15 @@ def draw(
         if quantity not in ("position", "velocity"):
             hint = "; only schemes with kernels do, and only if no position fix is missing"
         raise InputError(f"no scheme estimates the {quantity} of this record{hint}")
-    panels = [_make_values_panel(session, quantity, axis, shown, advised) for axis in range(2)]
+    panels = [_make_values_panel(session, quantity, axis, shown) for axis in range(2)]
     if shown.truth is not None:
-        panels.append(_make_errors_panel(session, quantity, shown, advised))
+        panels.append(_make_errors_panel(session, quantity, shown))
     elif shown.residuals:
         panels.append(_make_residuals_panel(session, shown))
+    left_out = {n: why for n, why in session.failed.items() if n not in session.names}
     notes = [
-        *_explain(session, quantity, shown, advised),
-        *(f"{n} is left out: {why}." for n, why in failed.items() if n not in session.names),
+        *_explain(session, quantity, shown),
+        *(f"{name} is left out: {why}." for name, why in left_out.items()),
     ]
     return time_histories.draw(
         panels,
@@ -79,9 +71,7 @@ def _format_duration(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def _make_values_panel(
-    session: Session, quantity: str, axis: int, shown: Traces, advised: str | None
-) -> Panel:
+def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -89,7 +79,9 @@ def _make_values_panel(
         label = session.record.truth if quantity != "bias" else "simulated bias"
         marks.append(time_histories.show_truth(shown.truth[axis], label))
     marks += [
-        time_histories.show_estimate(name, session.names, pair[axis], on_top=name == advised)
+        time_histories.show_estimate(
+            name, session.names, pair[axis], on_top=name == session.advised
+        )
         for name, pair in shown.lines.items()
     ]
     if shown.fixes is not None:
@@ -108,11 +100,9 @@ def _find_limits(shown: Traces, axis: int) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _make_errors_panel(
-    session: Session, quantity: str, shown: Traces, advised: str | None
-) -> Panel:
+def _make_errors_panel(session: Session, quantity: str, shown: Traces) -> Panel:
     marks: list[Band | Curve | Level] = []
-    notes = []
+    notes, advised = [], session.advised
     if advised is not None and advised in shown.deviations:
         time, deviation = shown.deviations[advised]
         if np.any(np.isfinite(deviation)):
@@ -146,9 +136,9 @@ def _make_residuals_panel(session: Session, shown: Traces) -> Panel:
     return Panel(label, marks, shown.view, (-REACH, REACH), note)
 
 
-def _explain(session: Session, quantity: str, shown: Traces, advised: str | None) -> Iterator[str]:
-    if advised in shown.lines and len(shown.lines) > 1:
-        yield f"Drawn on top: {advised}, the best scheme by the advice."
+def _explain(session: Session, quantity: str, shown: Traces) -> Iterator[str]:
+    if session.advised in shown.lines and len(shown.lines) > 1:
+        yield f"Drawn on top: {session.advised}, the best scheme by the advice."
     left = [name for name in session.names if name not in shown.lines]
     if quantity in ("position", "velocity") and left:
         yield f"{' and '.join(left)}: the same line as one that is drawn."

@@ -68,14 +68,25 @@ class Traces:
 class Session:
     """What the figures of a record share: its data of replicate 0, and the stored estimates."""
 
-    def __init__(self, config: ReplayConfig, file: str, estimates: Path) -> None:
+    def __init__(
+        self,
+        config: ReplayConfig,
+        file: str,
+        advised: str | None,
+        failed: Mapping[str, str],
+        estimates: Path,
+    ) -> None:
         """Read a record, and which schemes have estimates in `estimates`, a Parquet file.
 
-        Raises InputError if one of the two cannot be read.
+        advised: the recommended scheme: it is drawn on top, its ±1.96 standard deviations as a
+            band.
+        failed: scheme that failed -> the reason.
+        Raises InputError if record or estimates cannot be read.
         """
         from pyarrow import parquet
 
         self.config, self.estimates = config, estimates
+        self.advised, self.failed = advised, failed
         self.record = load_record(config, file)
         self.sensors = hub.make_sensors(config.sensors)
         self.signals = listen(config, self.sensors, self.record, 0)
