@@ -106,7 +106,9 @@ def advise(
     if criterion not in measures:
         criterion, source = "fix_residual", "fixes"
     rows = values[values["measure"] == criterion]
-    entrants = [*schemes, *BASELINE_ROWS]
+    # of a baseline that is a scheme too the rows are the scheme's
+    others = {row: name for row, name in BASELINE_ROWS.items() if name not in schemes}
+    entrants = [*schemes, *others]
     samples = _pivot(rows[rows["window"] == window], entrants, by)
     whole = None
     if samples.shape[1] == 1:  # one replicate: use the parts of the settled record
@@ -115,7 +117,7 @@ def advise(
             window = "settled"
             whole = _pivot(rows[rows["window"] == window], entrants, by)[:, 0]
             samples = parts
-    judged = judge(samples, [*schemes, *BASELINE_ROWS.values()], schemes, whole=whole)
+    judged = judge(samples, [*schemes, *others.values()], schemes, whole=whole)
     row = {"source": source, "criterion": criterion, "window": window}
     return judged and {**row, **judged, "advises": True, "counts": True}
 
@@ -161,7 +163,7 @@ def choose_simplest(
 
     samples: mean squared errors, (schemes and baselines, n); those are compared that have every
         value which the best scheme has.
-    names: of schemes and baselines; of a name that is there twice the first one counts.
+    names: of schemes and baselines.
     best: the scheme of the least error.
     schemes: scheme -> how simple it is.
     whole: the errors of the whole record; by default the means of the samples.
@@ -171,19 +173,15 @@ def choose_simplest(
         where it beats the best scheme.
     """
     at_best = list(names).index(best)
-    common = np.isfinite(samples[at_best])
-    able = [
-        i
-        for i, name in enumerate(names)
-        if names.index(name) == i and np.all(np.isfinite(samples[i, common]))
-    ]
-    means = np.mean(samples[:, common], axis=1) if whole is None else whole
+    kept = np.compress(np.isfinite(samples[at_best]), samples, axis=1)
+    able = [i for i in range(len(names)) if np.all(np.isfinite(kept[i]))]
+    means = np.mean(kept, axis=1) if whole is None else whole
     least = min(able, key=lambda i: means[i])
     ranks = {**schemes, **{name: listed.simplicity for name, listed in BASELINES.items()}}
-    good = [i for i in able if not _is_worse(samples[:, common], means, i, least)]
+    good = [i for i in able if not _is_worse(kept, means, i, least)]
     good.sort(key=lambda i: ranks[names[i]])
-    chosen = good[0]
-    half = np.nan if whole is not None else _measure_half(samples[chosen, common])
+    chosen, rivals = good[0], [i for i in able if names[i] in BASELINES]
+    half = np.nan if whole is not None else _measure_half(kept[chosen])
     row: dict[str, object] = {
         "recommended": names[chosen],
         "value_recommended": float(means[chosen]),
@@ -192,11 +190,10 @@ def choose_simplest(
         "left": SEPARATOR.join(names[i] for i in good),
         "baseline": "",
     }
-    rivals = [i for i in able if names[i] in BASELINES]
     if not rivals:
         return row
     rival = chosen if chosen in rivals else min(rivals, key=lambda i: means[i])
-    difference, half = _compare(samples[:, common], means, at_best, rival)
+    difference, half = _compare(kept, means, at_best, rival)
     return row | {
         "baseline": names[rival],
         "value_baseline": float(means[rival]),

@@ -245,9 +245,7 @@ def describe_motion(config: ReplayConfig, record: Mapping[str, float]) -> list[s
         return facts
     low, high = config.fit_band
     facts.append(
-        f"Eq. (1): natural period {record['natural_period']:.4g} ± "
-        f"{1.96 * record['natural_period_error']:.2g} s, half-bandwidth "
-        f"{record['half_bandwidth']:.3g} ± {1.96 * record['half_bandwidth_error']:.2g} Hz, "
+        f"Eq. (1): {tell_fit(record)}, "
         + ", ".join(f"{name} = {record[name]:.4g}" for name in "abc")
         + f"; {100 * record['band_share']:.0f} % of the variance lies in the band "
         f"[{low:g}, {high:g}] Hz, and {100 * record['fit_share']:.0f} % under the curve, which is "
@@ -257,6 +255,15 @@ def describe_motion(config: ReplayConfig, record: Mapping[str, float]) -> list[s
     if not low <= 1.0 / record["natural_period"] <= high:
         facts.append("its peak lies outside band, so it has no place in the expected map")
     return facts
+
+
+def tell_fit(record: Mapping[str, float]) -> str:
+    """Tell period and half-bandwidth of the spectrum fitted to a record, with their intervals."""
+    period, bandwidth = (
+        f"{record[name]:.{digits}g} ± {1.96 * record[f'{name}_error']:.2g}"
+        for name, digits in (("natural_period", 4), ("half_bandwidth", 3))
+    )
+    return f"natural period {period} s, half-bandwidth {bandwidth} Hz"
 
 
 def list_fit_warnings(config: ReplayConfig) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.motion.modes import LEVEL, Modes
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.describe import tell_fit
 from owtsweep.studies.replay.facts import BEYOND, MOST_MODES, summarise_motion
 from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.place import read_fit
@@ -59,11 +60,11 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     shown_modes = _mark_modes(axes, summary.modes)
     axes.set(xlabel="frequency (Hz)", ylabel="displacement spectrum, x + y (m²/Hz)")
     axes.legend(loc="upper right", frameon=False)
-    axes.set_title(
-        f"Spectrum of {name_file(config.grid.files[0])}\n"
-        f"{_describe_fit(record, shape is not None)}",
-        loc="left",
-    )
+    told = "Eq. (1) could not be fitted inside the band"
+    if shape is not None:
+        covered = f"{100.0 * record['fit_share']:.0f} % of the variance"
+        told = f"{tell_fit(record)}; the fit covers {covered}"
+    axes.set_title(f"Spectrum of {name_file(config.grid.files[0])}\n{told}", loc="left")
     share = f"; it holds {100 * record['band_share']:.0f} % of the variance" if shape else ""
     style.footnote(
         figure,
@@ -91,14 +92,3 @@ def _mark_modes(axes: Axes, modes: Modes) -> str:
         )  # fmt: skip
     told = f"Dashed: peaks that are more than scatter (p < {LEVEL:g}), with their shares of the "
     return f"{told}variance. " if modes.found else ""
-
-
-def _describe_fit(record: Mapping[str, float], has_fit: bool) -> str:
-    if not has_fit:
-        return "Eq. (1) could not be fitted inside the band"
-    return (
-        f"natural period {record['natural_period']:.3g} ± "
-        f"{1.96 * record['natural_period_error']:.1g} s, half-bandwidth "
-        f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz; "
-        f"the fit covers {100.0 * record['fit_share']:.0f} % of the variance"
-    )
