@@ -22,8 +22,6 @@ from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors, measure_rates
 from owtsweep.studies.replay.record import ReplayRecord, make_fixes
 
-#: Bytes above which a record does not stay in memory beside another one.
-_MOST_BYTES = 1 << 28
 _KEPT: dict[Source, ReplayRecord] = {}
 _LOCK = Lock()
 #: Rows of a file in which the rates of its sensors are looked for.
@@ -49,14 +47,13 @@ def name_source(config: ReplayConfig, file: str, *more: object) -> Source:
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample the record in a file.
 
-    The last record stays in memory, and perhaps one more if both are small.
+    The last record stays in memory.
     Raises InputError if anything is wrong with the file; the one-line message names it.
     """
     source = name_source(config, file, config.replay)
     with _LOCK:  # threads share a record
         if source not in _KEPT:
-            if len(_KEPT) > 1 or any(one.nbytes > _MOST_BYTES for one in _KEPT.values()):
-                _KEPT.clear()  # first, to save memory
+            _KEPT.clear()  # first, to save memory
             _KEPT[source] = _load(config, file)
             _KEPT[source].release_memory()
         return _KEPT[source]

@@ -66,11 +66,6 @@ class ReplayRecord:
         """Return the times of the steps in a slice, on the file's clock, in s."""
         return np.asarray(self.begin + self.step * np.arange(*part.indices(self.steps)))
 
-    @property
-    def nbytes(self) -> int:
-        series = (self.position, self.velocity, self.acceleration, self.specific_force, self.fixes)
-        return sum(0 if one is None else one.nbytes for one in series)
-
     def given(self, name: str) -> Array:
         """Return the series called `name`, e.g. "velocity"; raise TypeError if there is none."""
         series: Array | None = getattr(self, name)

@@ -99,8 +99,8 @@ def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
     if config.replay.table is None:
         return None
     table = read_table(config.replay.table)
-    labels = {_resolve(file): label for label, file in label_files(config.grid.files).items()}
-    table["file"] = [labels.get(_resolve(file)) for file in table["file"]]
+    labels = {Path(file).resolve(): label for label, file in label_files(config.grid.files).items()}
+    table["file"] = [labels.get(Path(file).resolve()) for file in table["file"]]
     require(
         bool(table["file"].notna().any()),
         f"replay.table: {config.replay.table}: the table names none of the records; leave out "
@@ -108,7 +108,3 @@ def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
     )
     kept = table.dropna(subset=["file"]).drop_duplicates("file").reset_index(drop=True)
     return kept[["file", *[c for c in table.columns if c != "file"]]]
-
-
-def _resolve(file: str) -> str:
-    return str(Path(file).resolve())
