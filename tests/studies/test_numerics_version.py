@@ -17,7 +17,7 @@ from owtsweep.sweep.study import add_versions
     ("name", "version"),
     [
         ("hub", 11),
-        ("replay", 13),
+        ("replay", 14),
         ("tower", 5),
         ("floater", 3),
         ("blade", 2),

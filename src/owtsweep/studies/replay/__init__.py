@@ -40,7 +40,7 @@ class ReplayStudy(HubKeys, Engine):
     """
 
     name = "replay"
-    numerics_version = add_versions(3, *ROOMS)
+    numerics_version = add_versions(4, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
     row_types: Mapping[str, type] = {
