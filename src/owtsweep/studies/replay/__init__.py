@@ -136,9 +136,11 @@ class ReplayStudy(HubKeys, Engine):
             own = folder.parent / ESTIMATES
             path = own if own.is_file() else (find_home(folder.parent) or folder.parent) / ESTIMATES
             quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
-            return save_figure(
-                lambda: histories.draw(open_session(path), quantity, zoom=zoom), metadata
-            )(folder, name)
+
+            def draw() -> Figure:
+                return histories.draw(open_session(path), quantity, zoom=zoom)
+
+            return save_figure(draw, metadata)(folder, name)
 
         def draw_of_facts(draw: Callable[..., Figure]) -> Drawing:
             return save_figure(lambda: draw(config, pick_facts(tables["records"])), metadata)

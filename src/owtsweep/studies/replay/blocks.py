@@ -24,9 +24,6 @@ from owtsweep.studies.replay.measures import ESTIMATED, NOISE, name_second_run
 from owtsweep.studies.replay.record import LONG, ReplayRecord, count_replicates, listen
 from owtsweep.sweep.study import FAILED, OK, Block
 
-COLUMNS = (
-    "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
-)  # fmt: skip
 #: Most steps of estimates, over all replicates of a scheme, in memory at once; 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
@@ -118,7 +115,8 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         else:
             rows = [*_run_block(config, record, block.content, noise)]
             record.release_memory()
-        table = pd.DataFrame(rows, columns=list(Row._fields)).assign(file=label)[list(COLUMNS)]
+        table = pd.DataFrame(rows, columns=list(Row._fields))
+        table.insert(0, "file", label)
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 

@@ -148,17 +148,13 @@ def count_advice(advised: pd.DataFrame) -> str:
 
 def tell_scope(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
     """Return sentences on what the advice holds for: the motion, and the part of a record."""
-    drawn = (tables["errors"]["n"] > 1).any()  # recorded sensors have the noise that they had
-    motion = [f"The advice is for {tell_alone(*config.grid.files)}."] if drawn else []
-    return [*motion, *_tell_windows(tables["advice"], config.measures.settling_time)]
-
-
-def _tell_windows(advised: pd.DataFrame, settling: float) -> list[str]:
-    """Return sentences on the part of a record that the advice judges, and on the other part."""
+    advised, lines = tables["advice"], []
+    if (tables["errors"]["n"] > 1).any():  # recorded sensors have the noise that they had
+        lines.append(f"The advice is for {tell_alone(*config.grid.files)}.")
     of_map = advised["source"] == "map"
     windows = list(dict.fromkeys(advised.loc[~of_map, "window"]))
     judged = windows or dict.fromkeys(advised["window"])
-    lines = [tell_window(window, settling) for window in judged]
+    lines += [tell_window(window, config.measures.settling_time) for window in judged]
     if of_map.any() and "full" in windows:
         lines.append("The expected map judges the settled part.")
     return lines

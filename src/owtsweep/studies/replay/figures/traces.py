@@ -65,35 +65,33 @@ class Traces:
         return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
+@dataclass
 class Session:
-    """What the figures of a record share: its data of replicate 0, and the stored estimates."""
+    """What the figures of a record share: its data of replicate 0, and the stored estimates.
 
-    def __init__(
-        self,
-        config: ReplayConfig,
-        file: str,
-        advised: str | None,
-        failed: Mapping[str, str],
-        estimates: Path,
-    ) -> None:
-        """Read a record, and which schemes have estimates in `estimates`, a Parquet file.
+    advised: the recommended scheme: it is drawn on top, its ±1.96 standard deviations as a band.
+    failed: scheme that failed -> the reason.
+    estimates: the Parquet file of the estimates.
 
-        advised: the recommended scheme: it is drawn on top, its ±1.96 standard deviations as a
-            band.
-        failed: scheme that failed -> the reason.
-        Raises InputError if record or estimates cannot be read.
-        """
+    Raises InputError if record or estimates cannot be read.
+    """
+
+    config: ReplayConfig
+    file: str
+    advised: str | None
+    failed: Mapping[str, str]
+    estimates: Path
+
+    def __post_init__(self) -> None:
         from pyarrow import parquet
 
-        self.config, self.estimates = config, estimates
-        self.advised, self.failed = advised, failed
-        self.record = load_record(config, file)
-        self.sensors = hub.make_sensors(config.sensors)
-        self.signals = listen(config, self.sensors, self.record, 0)
+        self.record = load_record(self.config, self.file)
+        self.sensors = hub.make_sensors(self.config.sensors)
+        self.signals = listen(self.config, self.sensors, self.record, 0)
         try:
-            stored = parquet.read_metadata(estimates)
+            stored = parquet.read_metadata(self.estimates)
         except (OSError, ValueError) as error:
-            raise InputError(f"{estimates}: the estimates cannot be read ({error})") from None
+            raise InputError(f"{self.estimates}: the estimates cannot be read ({error})") from None
         groups = (stored.row_group(number) for number in range(stored.num_row_groups))
         #: The names of the schemes that have estimates.
         self.names = list(dict.fromkeys(group.column(1).statistics.min for group in groups))
