@@ -78,36 +78,32 @@ def make_lanes(
 def _run_kernel(
     chain: hub.Chain, sensors: hub.Sensors, replicates: Sequence[Signals], edges: Sequence[int]
 ) -> Iterator[tuple[Trajectory, ...]]:
-    estimates = hub.chunks(chain, *make_lanes(replicates, sensors))
+    estimates, count = hub.chunks(chain, *make_lanes(replicates, sensors)), len(replicates)
     covariances = spread_to_both_axes(chain.covariance)
-    first, count, chunk = next(estimates)
+    first, size, chunk = next(estimates)
     for begin, end in itertools.pairwise(edges):
-        state = np.empty((len(replicates), end - begin, 4))
-        innovation = np.empty((len(replicates), end - begin, 2))
+        # x, y, vx, vy and innovations of each replicate
+        numbers = np.empty((end - begin, count, 6))
         at = begin
         while at < end:
-            if at == first + count:
-                first, count, chunk = next(estimates)
-            stop = min(first + count, end)
-            source, target = slice(at - first, stop - first), slice(at - begin, stop - begin)
-            for replicate in range(len(replicates)):
-                lanes = slice(2 * replicate, 2 * replicate + 2)
-                state[replicate, target, :2] = chunk.position[source, lanes]
-                state[replicate, target, 2:] = chunk.velocity[source, lanes]
-                innovation[replicate, target] = chunk.innovation[source, lanes]
+            if at == first + size:
+                first, size, chunk = next(estimates)
+            stop = min(first + size, end)
+            pairs = [lanes[at - first : stop - first].reshape(-1, count, 2) for lanes in chunk]
+            np.concatenate(pairs, axis=2, out=numbers[at - begin : stop - begin])
             at = stop
         row = chain.gains.row(np.arange(begin, end))
         fresh = chain.gains.fresh[row]
-        innovation[:, ~fresh] = np.nan
+        numbers[~fresh, :, 4:] = np.nan
         variance = np.where(fresh, chain.gains.innovation_variance[row], np.nan)
         covariance = covariances[row]
         innovation_covariance = variance[:, None, None] * np.eye(2)
         piece = [
-            Trajectory(state[i], covariance, innovation[i], innovation_covariance)
-            for i in range(len(replicates))
+            Trajectory(each[:, :4], covariance, each[:, 4:], innovation_covariance)
+            for each in numbers.swapaxes(0, 1)
         ]
         # Free this piece of a long record before the next one is made.
-        del state, innovation, covariance, innovation_covariance, variance, row
+        del numbers, covariance, innovation_covariance, variance, row
         yield tuple(piece.pop(0) for _ in replicates)
 
 
