@@ -220,6 +220,8 @@ def execute(
         try:
             with refuse_in_one_line(folder):
                 write_estimates(config, file, folder, say, failed)
+        except OSError:  # too many open files: no record is at fault
+            raise
         except (Exception, SystemExit) as error:  # no case is lost: all are stored
             reason = str(error) if isinstance(error, InputError) else as_text(error)
             logger.warning("failed: estimates of %s: %s", label, reason)
