@@ -146,14 +146,13 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
             state = estimate(config, scheme, sensors, measured).state[4000:]
             mse.append(np.mean(np.sum((state[:, :2] - record.position[4000:]) ** 2, axis=1)))
         chain = scheme.kernel(Known(sensors, config), record.steps)
-        spectrum, (floor, _) = place.expect_errors(chain, sensors, (0.05, 0.6))
+        spectrum, floor = place.expect_errors(chain, sensors, (0.05, 0.6))
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
         moved, _ = expected_mse(spectrum, translated(5.0).density, (0.05, 0.6), rms=rms)
-        expected = moved + floor
+        expected = moved + floor.of("position")
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name
-        assert place.expect_at_record(config, facts_of(config, record))[name][0] == (
-            pytest.approx(expected, rel=0.1)
-        )
+        at_record = place.expect_at_record(config, facts_of(config, record))
+        assert at_record[name] == pytest.approx(expected, rel=0.1)
 
 
 def facts_of(config, record):

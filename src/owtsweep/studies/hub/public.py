@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     )
     from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
     from owtsweep.studies.hub.expected.answers import make_field
-    from owtsweep.studies.hub.noise_floor import noise_floor
+    from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
 
 __all__ = [
     "BASELINES", "INSTEAD", "JUDGED", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "OnePassSeries", "Scheme", "Sensors",
-    "assume_tilt", "backend", "bias_of", "chunks", "error_spectrum", "expected_mse", "find_world",
-    "fix_count", "fix_noise", "follow_sensors", "has_acceleration", "lag_of", "look_constant",
-    "make_field", "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
-    "state_chunks", "tell_window", "trajectories",
+    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "NoiseFloor", "OnePassSeries", "Scheme",
+    "Sensors", "assume_tilt", "backend", "bias_of", "chunks", "error_spectrum", "expected_mse",
+    "find_world", "fix_count", "fix_noise", "follow_sensors", "has_acceleration", "lag_of",
+    "look_constant", "make_field", "make_sensors", "noise_floor", "resolve", "resolve_all",
+    "simulate_bias", "state_chunks", "tell_window", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides at first use.
@@ -50,7 +50,7 @@ _HOMES = {
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
     "expected.answers": ["make_field"],
-    "noise_floor": ["noise_floor"],
+    "noise_floor": ["NoiseFloor", "noise_floor"],
 }
 
 

@@ -19,7 +19,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES, summarise_motion
 from owtsweep.studies.replay.identification.of_record import round_delay
 from owtsweep.studies.replay.measures import ESTIMATED, STATED, TAILS
-from owtsweep.studies.replay.place import expect_at_record
+from owtsweep.studies.replay.place import expect_at_record, find_measure
 from owtsweep.studies.replay.results import rank_schemes
 
 SOURCES = {
@@ -301,11 +301,8 @@ def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
         both = [expect_at_record(assume_tilt(config, assumed), record) for assumed in (0.0, tilt)]
     except InputError as error:
         return f"{text}: what it costs cannot be computed: {error}"
-    which = 1 if config.measures.criterion == "velocity" else 0
     least = [
-        min((errors[which], name) for name, errors in expected.items())
-        for expected in both
-        if expected
+        min((error, name) for name, error in expected.items()) for expected in both if expected
     ]
     if len(least) < len(both):
         return f"{text}: the record has no place in the map, so what it costs is not known"
@@ -315,7 +312,8 @@ def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
         verdict = "it matters, so let the filters know it"
     elif known > (1.0 + LEAST_MARGIN) * without:
         verdict = "the motion is so small that filters do better if they take the IMU for level"
-    period, unit = record["natural_period"], ("m", "m/s")[which]
+    period = record["natural_period"]
+    unit = "m/s" if find_measure(config) == "velocity" else "m"
     share = abs(make_sensors(config.sensors).lean) * (period / (2.0 * np.pi)) ** 2
     return (
         f"{text} is {100.0 * share:.2g} % of the acceleration at {period:.3g} s; the least "

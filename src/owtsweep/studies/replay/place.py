@@ -17,21 +17,21 @@ from owtsweep.studies.replay.config import ReplayConfig
 
 #: Number of frequencies in the band at which an error spectrum is computed.
 NODES = 64
+#: of `hub.expected_mse`
 MEASURES = ("position", "velocity")
 
 
 @lru_cache(maxsize=8)
 def expect_errors(
     chain: hub.Chain, sensors: hub.Sensors, band: tuple[float, float]
-) -> tuple[hub.ErrorSpectrum, Array]:
+) -> tuple[hub.ErrorSpectrum, hub.NoiseFloor]:
     """Compute the errors expected of a scheme's chain for motions inside a band (Hz).
 
     Returns what motion causes, per unit of motion, at frequencies of the band; and what sensor
-        noise causes, whatever the motion: MSE of position (m^2) and velocity (m^2/s^2).
+        noise causes, whatever the motion.
     """
-    floor = hub.noise_floor(chain, sensors)
     nodes = np.geomspace(*band, NODES)
-    return hub.error_spectrum(chain, sensors, nodes), np.array(list(map(floor.of, MEASURES)))
+    return hub.error_spectrum(chain, sensors, nodes), hub.noise_floor(chain, sensors)
 
 
 def check_band(config: ReplayConfig) -> None:
@@ -92,23 +92,26 @@ def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: 
     return float(0.5 * np.sqrt(square) / total)
 
 
-def expect_at_record(
-    config: ReplayConfig, record: Mapping[str, float]
-) -> dict[str, tuple[float, float]] | None:
+def find_measure(config: ReplayConfig) -> str:
+    """Return the measure whose errors are expected: that of the criterion, x and y together."""
+    return "velocity" if config.measures.criterion == "velocity" else "position"
+
+
+def expect_at_record(config: ReplayConfig, record: Mapping[str, float]) -> dict[str, float] | None:
     """Compute the settled errors expected for the spectrum fitted to a record.
 
-    Returns scheme or baseline -> MSE of position (m^2) and velocity (m^2/s^2); None without a
-        fitted spectrum with its peak inside the band.
+    Returns scheme or baseline -> MSE of `find_measure`, m^2 or m^2/s^2; None without a fitted
+        spectrum with its peak inside the band.
     Raises InputError if no errors can be computed for one of the schemes.
     """
     shape = find_place(config, record)
     if shape is None:
         return None
-    rms, expected = compute_rms_in_band(record), {}
-    for name, spectrum, floor in _expect_all(config, record):
-        motion = hub.expected_mse(spectrum, shape.density, config.fit_band, rms=rms)
-        expected[name] = (motion[0] + float(floor[0]), motion[1] + float(floor[1]))
-    return expected
+    rms, which = compute_rms_in_band(record), MEASURES.index(find_measure(config))
+    return {
+        name: hub.expected_mse(spectrum, shape.density, config.fit_band, rms=rms)[which] + floor
+        for name, spectrum, floor in _expect_all(config, record)
+    }
 
 
 def expect_map(
@@ -116,21 +119,19 @@ def expect_map(
 ) -> dict[str, Array]:
     """Compute the settled MSE expected for motions of many periods (s) and amplitudes (m).
 
-    It is that of the criterion, for spectra of the kind "translated" with the configuration's
+    It is that of `find_measure`, for spectra of the kind "translated" with the configuration's
     bandwidth, whose ratio of largest to rms displacement is that of the record.
 
     Returns scheme or baseline -> MSE, shape (periods, amplitudes).
     Raises InputError if no errors can be computed for one of the schemes.
     """
     ratio = compute_rms_in_band(record) / record["peak"]
-    which = MEASURES.index("velocity" if config.measures.criterion == "velocity" else "position")
+    which = MEASURES.index(find_measure(config))
     shapes = [translated(float(period), config.spectrum.bandwidth).density for period in periods]
     result: dict[str, Array] = {}
     for name, spectrum, floor in _expect_all(config, record):
         units = [hub.expected_mse(spectrum, shape, config.fit_band)[which] for shape in shapes]
-        result[name] = np.array(
-            [superpose(unit, 0.0, floor[which], amplitudes * ratio) for unit in units]
-        )
+        result[name] = superpose(np.array(units)[:, None], 0.0, floor, amplitudes * ratio)
     return result
 
 
@@ -141,7 +142,7 @@ def list_left_out(config: ReplayConfig) -> list[str]:
 
 def _expect_all(
     config: ReplayConfig, record: Mapping[str, float]
-) -> Iterator[tuple[str, hub.ErrorSpectrum, Array]]:
+) -> Iterator[tuple[str, hub.ErrorSpectrum, float]]:
     sensors, left_out = hub.make_sensors(config.sensors), list_left_out(config)
     require(
         len(left_out) < len(config.schemes),
@@ -153,4 +154,5 @@ def _expect_all(
     for scheme in hub.resolve_all([*config.schemes, *baselines], config):
         if scheme.name not in left_out:
             chain = scheme.kernel(hub.Known(sensors, config), steps)
-            yield scheme.name, *expect_errors(chain, sensors, config.fit_band)
+            spectrum, floor = expect_errors(chain, sensors, config.fit_band)
+            yield scheme.name, spectrum, floor.of(find_measure(config))

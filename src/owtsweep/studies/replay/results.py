@@ -18,7 +18,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.of_record import UNITS
-from owtsweep.studies.replay.place import expect_at_record
+from owtsweep.studies.replay.place import expect_at_record, find_measure
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 
@@ -142,17 +142,14 @@ def _advise_from_map(
     record: Mapping[str, float],
     by_record: Mapping[str, object] | None,
 ) -> dict[str, object] | None:
-    # SKFA and others without a chain have no place in the map
-    expected = expect_at_record(config, record)
-    if expected is None:
+    errors = expect_at_record(config, record)  # not of SKFA and others without a chain
+    if errors is None:
         return None
-    criterion = "velocity" if config.measures.criterion == "velocity" else "position"
-    errors = {name: both[criterion == "velocity"] for name, both in expected.items()}
     samples = np.array([[error] for error in errors.values()])
     judged = advice.judge(samples, list(errors), schemes)
     return judged and {
         "source": "map",
-        "criterion": criterion,
+        "criterion": find_measure(config),
         "window": "settled",
         **judged,
         "counts": False,
