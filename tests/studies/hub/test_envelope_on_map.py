@@ -10,8 +10,8 @@ import owtsweep
 from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
-from owtsweep.studies.hub import envelope
-from owtsweep.studies.hub.envelope import find_best, tell_best
+from owtsweep.studies.hub.figures import envelope
+from owtsweep.studies.hub.figures.envelope import find_best, tell_best
 from owtsweep.waves import Sea
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import owtsweep
-from owtsweep.studies.hub import envelope
+from owtsweep.studies.hub.figures import envelope
 from owtsweep.waves import Sea
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
