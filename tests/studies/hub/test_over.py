@@ -174,7 +174,7 @@ def test_motions_that_cannot_be_are_refused(words: list[str], line: str) -> None
 
 def test_the_default_answer_quotes_the_stored_sweep_over_worlds() -> None:
     from owtsweep.studies import compose
-    from owtsweep.studies.hub.quoted import quote_worlds
+    from owtsweep.studies.hub.describe import quote_worlds
 
     (line,) = quote_worlds(compose([]))
     assert line.startswith("If the world is another one, by a stored sweep of 9 cells of its own")

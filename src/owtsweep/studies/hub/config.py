@@ -76,23 +76,6 @@ class Gnss(Section):
     def loses(self) -> bool:
         return self.loss.probability > 0.0
 
-    def list_faults(self) -> dict[str, str]:
-        """Return name -> value, in words, of outliers, outages and red noise, if there are any."""
-        faults = {}
-        if self.outliers.rate > 0.0:
-            burst = f" in bursts of {self.outliers.length}" if self.outliers.length > 1 else ""
-            faults["GNSS outliers"] = (
-                f"{self.outliers.rate:.3g} of {self.outliers.size:g} sigma{burst}"
-            )
-        if self.loses:
-            faults["GNSS outages"] = (
-                f"of {self.loss.length} with {self.loss.probability:.3g} per fix"
-            )
-        if self.correlation.sigma > 0.0:
-            red = self.correlation
-            faults["GNSS red noise"] = f"{red.sigma:g} m of {red.time:g} s"
-        return faults
-
 
 #: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
 STRUCTURE = "structure"

@@ -1,22 +1,30 @@
 """Says what a reader of a run must know: where its numbers come from, and who wins in its cells.
 
-Sensors, truth, tuning, seed and number of records; in each cell the best scheme, or a baseline.
+Sensors, truth, tuning, seed and number of records; in each cell the best scheme, or a baseline; and
+who regrets least if the world is another one, from a stored sweep.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from owtsweep.config import as_mapping
+from owtsweep.config.stored import read
+from owtsweep.io.tables import read_table
+from owtsweep.results.answer import count_names
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.cube import Cube
+from owtsweep.results.regret import SUMMARY
 from owtsweep.results.verdicts import Asked, count_cells
 from owtsweep.studies.hub.conditions import CRITERIA, JUDGED, MEASURES, criteria, find_world
 from owtsweep.studies.hub.config import HubConfig, SensorConfig
 from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.tuning_rules import take_facts
+from owtsweep.studies.hub.world import list_departing
 
 #: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
@@ -42,19 +50,22 @@ def list_sensors(sensors: SensorConfig) -> dict[str, str]:
 
 def _list_faults(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of what the paper's sensors do not have."""
-    listed: dict[str, str] = {}
-    imu = sensors.imu
-    if sensors.accuracy != "sigma":
-        listed["accuracies read as"] = sensors.accuracy
-    if imu.tilt != 0.0:
-        listed["IMU tilt"] = (
-            "that of the structure" if isinstance(imu.tilt, str) else f"{imu.tilt:g} rad/m"
-        )
-    if imu.high_pass is not None:
-        listed["IMU high-pass"] = f"{imu.high_pass:g} Hz"
-    if sensors.gnss.scale != 1.0:
-        listed["GNSS scale"] = f"{sensors.gnss.scale:g}"
-    return listed | sensors.gnss.list_faults()
+    gnss, imu = sensors.gnss, sensors.imu
+    outliers, red = gnss.outliers, gnss.correlation
+    burst = f" in bursts of {outliers.length}" if outliers.length > 1 else ""
+    lean = "that of the structure" if isinstance(imu.tilt, str) else f"{imu.tilt:g} rad/m"
+    listed = {
+        "accuracies read as": (sensors.accuracy, sensors.accuracy != "sigma"),
+        "IMU tilt": (lean, imu.tilt != 0.0),
+        "IMU high-pass": (f"{imu.high_pass or 0.0:g} Hz", imu.high_pass is not None),
+        "GNSS scale": (f"{gnss.scale:g}", gnss.scale != 1.0),
+        "GNSS outliers": (f"{outliers.rate:.3g} of {outliers.size:g} sigma{burst}",
+                          outliers.rate > 0.0),
+        "GNSS outages": (f"of {gnss.loss.length} with {gnss.loss.probability:.3g} per fix",
+                         gnss.loses),
+        "GNSS red noise": (f"{red.sigma:g} m of {red.time:g} s", red.sigma > 0.0),
+    }  # fmt: skip
+    return {name: value for name, (value, there) in listed.items() if there}
 
 
 def describe_truth(config: HubConfig) -> str:
@@ -259,3 +270,40 @@ def ask(config: HubConfig) -> Asked:
         grid.margin,
         grid.most,
     )
+
+
+def _find_reference() -> Path | None:
+    """Return the folder of the stored tables, installed or in a checkout; None without one."""
+    package = Path(__file__).resolve().parents[2]
+    folders = (package / "worlds", package.parents[1] / "results" / "reference" / "worlds")
+    return next((folder for folder in folders if (folder / "origin.yaml").is_file()), None)
+
+
+def quote_worlds(config: HubConfig) -> list[str]:
+    """Return a sentence on who regrets least if the world is another one, as it was computed once.
+
+    There is none for other sensors, another tuning or another motion than those of that sweep, or
+    if the run is itself over worlds.
+    """
+    folder = _find_reference()
+    steady = config.motion.kind == "spectrum" and not list_departing(config)
+    if folder is None or config.over is not None or not steady:
+        return []
+    origin = read(folder / "origin.yaml")
+    if (config.tuning, as_mapping(config.sensors)) != (origin["tuning"], origin["sensors"]):
+        return []
+    summary = read_table(folder, SUMMARY)
+    cells = int(summary["least_mean"].sum())
+    periods = " ".join(f"{period:g}" for period in summary["natural_period"].unique())
+    worst = summary.loc[summary.loc[summary["least_worst"], "worst"].idxmax()]
+    far = f"{worst['scheme']} has up to {worst['worst']:.2f} times the least error"
+    return [
+        f"If the world is another one, by a stored sweep of {cells} cells of its own ({periods} s; "
+        f"{origin['worlds']} worlds, `{origin['command']}`, {origin['date']}): least mean regret "
+        f"{_count(summary, 'mean')} cells, least worst {_count(summary, 'worst')}; "
+        f"{far}, in {worst['worst_world']} (docs/regret.md)."
+    ]
+
+
+def _count(summary: pd.DataFrame, kind: str) -> str:
+    return count_names(summary.loc[summary[f"least_{kind}"], "scheme"])

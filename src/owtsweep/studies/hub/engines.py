@@ -35,6 +35,7 @@ from owtsweep.studies.hub.describe import (
     list_origin,
     list_origin_lines,
     make_cube,
+    quote_worlds,
     tell_not_asked,
     tell_window,
 )
@@ -48,7 +49,6 @@ from owtsweep.studies.hub.listed import (
     scheme_names,
 )
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
-from owtsweep.studies.hub.quoted import quote_worlds
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
 from owtsweep.studies.hub.world import World
 from owtsweep.sweep.gather import Results
