@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 
 from experiments.command import read_words, write
 from owtsweep.evaluation.loop import run_estimator
-from owtsweep.motion.modulation import Modulation, modulate
+from owtsweep.motion.departing import Modulation, modulate
 from owtsweep.studies import compose
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve

@@ -24,7 +24,6 @@ from experiments.command import read_words, write
 from owtsweep.config import changed
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.motion.spectra import spectrum
 from owtsweep.structures import compute_modes, find_structure
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis
@@ -101,7 +100,7 @@ def compare_knowledge(
             errors, noise = error_spectrum(chain, sensors, frequency), noise_floor(chain, sensors)
             band = (float(frequency[0]), float(frequency[-1]))
             for amplitude, period in product(amplitudes, periods):
-                shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+                shape = config.spectrum.at(period)
                 rms = amplitude / PEAK
                 position, velocity = expected_mse(errors, shape.density, band, rms=rms)
                 rows.append({

@@ -7,8 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from owtsweep.motion.departing import PacedSource, PeakSum, StretchedSource, rescale
-from owtsweep.motion.modulation import Modulation
+from owtsweep.motion.departing import Modulation, PacedSource, PeakSum, StretchedSource, rescale
 from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import SpectralSource

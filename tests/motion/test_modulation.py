@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.motion.modulation import AT_ONCE, ModulatedSource, Modulation
+from owtsweep.motion.departing import AT_ONCE, ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
-from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.streams import stream
 
@@ -24,7 +24,7 @@ def draw(source: Source, steps: int, history: int = 0) -> Motion:
 
 
 def plain() -> SpectralSource:
-    return SpectralSource(spectrum("translated", 4.0, 2.4e-4), (0.05, 0.6))
+    return SpectralSource(translated(4.0, 2.4e-4), (0.05, 0.6))
 
 
 def test_velocity_and_acceleration_are_the_derivatives_of_the_enveloped_position() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from owtsweep.motion.modulation import ModulatedSource, Modulation
+from owtsweep.motion.departing import ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import SpectralSource

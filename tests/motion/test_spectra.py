@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import Spectrum, printed, spectrum, translated
+from owtsweep.motion.spectra import Spectrum, printed, translated
+from owtsweep.studies.hub.config import SpectrumConfig
 
 #: b and c as Table 4 prints them.
 PRINTED = {
@@ -102,5 +103,5 @@ def test_printed_is_table_4(period: float) -> None:
 def test_unknown_kinds_and_periods_are_refused() -> None:
     with pytest.raises(InputError, match=r"Table 4 has no natural period 6\.5 s"):
         printed(6.5)
-    assert spectrum("printed", 6.0, 1.0) == printed(6.0)
-    assert spectrum("translated", 6.0, 1e-4) == translated(6.0, 1e-4)
+    assert SpectrumConfig(kind="printed", bandwidth=1.0).at(6.0) == printed(6.0)
+    assert SpectrumConfig(kind="translated", bandwidth=1e-4).at(6.0) == translated(6.0, 1e-4)

@@ -7,7 +7,6 @@ if, and only if, 2 sqrt(c) + b > 0. (At the peak, the denominator is f* (2 sqrt(
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -96,17 +95,3 @@ def printed(natural_period: float) -> Spectrum:
             "grid.natural_period=[6,7,8]"
         )
     return spectrum
-
-
-def spectrum(
-    kind: Literal["translated", "printed"], natural_period: float, bandwidth: float
-) -> Spectrum:
-    """Return the spectrum of a kind, as the functions of these names do.
-
-    Raise `InputError` if the printed spectrum does not exist for the natural period.
-    """
-    kinds = {
-        "translated": lambda: translated(natural_period, bandwidth),
-        "printed": lambda: printed(natural_period),
-    }
-    return kinds[kind]()

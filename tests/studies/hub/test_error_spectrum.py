@@ -7,7 +7,6 @@ import pytest
 from tools import configure
 
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub import batch, estimates, settled
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
@@ -93,7 +92,7 @@ def test_the_integral_over_a_spectrum_is_what_records_show(name: str) -> None:
     motion = sums.products[1, :4, 0].mean(axis=-1) / sums.steps[1]
     band = (config.band[0], config.band[1])
     errors = error_spectrum(chain, sensors, np.geomspace(*band, 60))
-    shape = spectrum(config.spectrum.kind, 4.0, config.spectrum.bandwidth)
+    shape = config.spectrum.at(4.0)
     position, velocity = expected_mse(errors, shape.density, band)
     assert position == pytest.approx(motion[0] + motion[1], rel=0.06)
     assert velocity == pytest.approx(motion[2] + motion[3], rel=0.06)

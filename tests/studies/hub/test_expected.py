@@ -11,10 +11,10 @@ from tools import SMALL, configure
 
 import owtsweep
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import SpectralSource, lines
 from owtsweep.streams import stream
-from owtsweep.studies.hub import batch, cache, estimates, peak
+from owtsweep.studies.hub import batch, cache, estimates, known_motion
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
@@ -23,8 +23,8 @@ from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.error_curves.of_schemes import expected_ratio
 from owtsweep.studies.hub.expected import answers, engine
+from owtsweep.studies.hub.known_motion import peak_factors
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.peak import peak_factors
 from owtsweep.studies.hub.sensors import Sensors, fix_count
 from owtsweep.studies.hub.study import HubStudy
 
@@ -134,7 +134,7 @@ def test_sinusoids_made_while_the_chain_runs_are_those_made_before(
 def test_the_ratio_is_that_of_many_records() -> None:
     # narrow and short, so that the records' scatter matters: without it the mean is 6 % off
     band, duration, count = (0.05, 0.6), 120.0, 4000
-    shape = spectrum("translated", 4.0, 2.4e-4)
+    shape = translated(4.0, 2.4e-4)
     frequency = lines(band, 2 * duration)[1]
     weight = frequency**4
     rng = np.random.default_rng(11)
@@ -179,10 +179,10 @@ def test_records_scatter_around_the_expectation(
 
 @pytest.mark.parametrize("steps", [1200, 38400])
 def test_displacements_of_peak_factors_are_those_of_records(steps: int) -> None:
-    source, step = SpectralSource(spectrum("translated", 4.0, 2.4e-4), (0.05, 0.6)), 2000.0 / 38400
+    source, step = SpectralSource(translated(4.0, 2.4e-4), (0.05, 0.6)), 2000.0 / 38400
 
     def phases(_: str) -> np.random.Generator:
-        return stream(3, "hub", (0.0,), 5, peak.STREAM)
+        return stream(3, "hub", (0.0,), 5, known_motion.STREAM)
 
     position = source.draw_displacement(phases(""), steps, step)
     scaled = source.realise(phases, steps=steps, step=step).position
@@ -191,7 +191,7 @@ def test_displacements_of_peak_factors_are_those_of_records(steps: int) -> None:
 
 def test_a_peak_factor_is_that_of_records() -> None:
     config = configure("record.duration=200")
-    source = SpectralSource(spectrum("translated", 5.0, config.spectrum.bandwidth), (0.05, 0.6))
+    source = SpectralSource(translated(5.0, config.spectrum.bandwidth), (0.05, 0.6))
     rng = np.random.default_rng(3)
     some = [
         np.var(source.realise(lambda _: rng, steps=4000, step=0.05).position) for _ in range(300)

@@ -7,7 +7,7 @@ import pytest
 from tools import configure, plan_blocks
 
 from owtsweep.errors import InputError
-from owtsweep.motion.modulation import Modulation
+from owtsweep.motion.departing import Modulation
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.registry import get_study
 

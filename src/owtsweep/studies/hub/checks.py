@@ -185,18 +185,20 @@ VALUES, NUMBER = 20, 8
 def check_grid(config: HubConfig) -> None:
     """Raise InputError if the grid needs more than `MOST_BLOCKS` blocks or `MOST_BYTES` bytes."""
     world, schemes = find_world(config), len(SCHEMES.list_entries(config))
-    periods, amplitudes, each, records = _count(config)
+    periods, _, each, records = _count(config)
+    words = {condition.name: condition.values_word for condition in world.conditions}
     blocks = schemes * periods * each * -(-records // count_records_per_block(config))
     require(
         config.engine == "expected" or blocks <= MOST_BLOCKS,
         f"{world.section}: a sweep would have {blocks:.3g} blocks of work, more than "
-        f"{MOST_BLOCKS:.0e}; give fewer {world.words} or replicates",
+        f"{MOST_BLOCKS:.0e}; give fewer {', '.join(words.values())} or replicates",
     )
-    needed = count_table_bytes(config)
+    needed, grid = count_table_bytes(config), world.get_grid(config)
+    counted = " x ".join(f"{len(grid[name])} {word}" for name, word in words.items())
     require(
         needed <= MOST_BYTES,
-        f"{world.section}: {world.counted.format(periods, amplitudes)} x {records} replicates need "
-        f"some {needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; give fewer of them",
+        f"{world.section}: {counted} x {records} replicates need some {needed / 1e9:.3g} GB, more "
+        f"than {MOST_BYTES / 1e9:g} GB; give fewer of them",
     )
 
 

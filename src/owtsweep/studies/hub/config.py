@@ -16,6 +16,7 @@ from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section
 from owtsweep.config.records import Records
 from owtsweep.config.section import require_magnitude
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.motion.spectra import Spectrum, printed, translated
 from owtsweep.structures import Structure
 from owtsweep.structures.description import ANGLES
 from owtsweep.studies.base.schemes import SchemeEntries
@@ -167,6 +168,15 @@ class SpectrumConfig(Section):
     bandwidth: Positive = key(
         "k, the squared half-bandwidth of the peak (translated only)", unit="s^-2"
     )
+
+    def at(self, natural_period: float) -> Spectrum:
+        """Return the spectrum of a natural period (s).
+
+        Raise `InputError` if the printed spectrum does not exist for the natural period.
+        """
+        if self.kind == "printed":
+            return printed(natural_period)
+        return translated(natural_period, self.bandwidth)
 
 
 class Imu(Section):

@@ -50,7 +50,7 @@ from owtsweep.studies.hub.listed import (
 )
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
-from owtsweep.studies.hub.world import World
+from owtsweep.studies.hub.world import BOUNDARY, World
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.study import Block, Engine, Look, Square
 
@@ -302,7 +302,7 @@ def describe_run(run: Candidate) -> Aspects:
         criterion=config.measures.criterion,
         window=window,
         pairing=pairing,
-        boundary=world.boundary,
+        boundary=BOUNDARY if world.has_spectrum else None,
         origin=list_origin(config),
         beside=list_baselines(config),
         best_of=None

@@ -32,18 +32,14 @@ SEA = {"hs": 2.0, "tp": 6.0}
 
 @dataclass(frozen=True)
 class SchemeHistory:
-    """The estimates of one scheme over a record, in NED, shape (steps, 2) each.
+    """The estimates of one scheme over a record, in NED.
 
-    position, velocity: m and m/s. Row k is the estimate for step k, made at step k.
-    acceleration, bias: states of the filter, m/s^2. Row k is the estimate for step k - `lag`, made
-        at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if it is no
-        state of the filter's model.
+    values: quantity -> its estimates, shape (rows, 2). Position (m) and velocity (m/s) have a row
+        per step. Row k of the filter's states, acceleration (if it is one) and bias R b^b (m/s^2),
+        is for step k, made at step k + `lag`; the last `lag` steps of the record have none.
     """
 
-    position: Array
-    velocity: Array
-    acceleration: Array | None
-    bias: Array
+    values: dict[str, Array]
     lag: int
 
 
@@ -54,14 +50,13 @@ class Histories:
     natural_period, amplitude: s and m; of the plant those of the first mode and the largest
         displacement.
     time: of the steps, s, shape (steps,).
-    position, velocity, acceleration, bias: true motion (m, m/s, m/s^2), and true bias R b^b of the
-        IMU (m/s^2).
+    truth: the true position (m), velocity (m/s), acceleration and bias R b^b of the IMU (m/s^2).
     measured: acceleration that the IMU reports, R f + g, m/s^2.
     fix_time, fixes: times at which fixes arrive, s, shape (fixes,), and the fixes, m, shape
         (fixes, 2).
     delay: of the GNSS, s.
-    integrated_position, integrated_velocity: `measured` integrated from the true initial state; m
-        and m/s.
+    integrated: position (m) and velocity (m/s), integrated from `measured` and the true initial
+        state.
     left_out: scheme -> why the scheme was not run.
     sea: the plant's conditions in words; "" with motion=spectrum.
     """
@@ -69,16 +64,12 @@ class Histories:
     natural_period: float
     amplitude: float
     time: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
-    bias: Array
+    truth: dict[str, Array]
     measured: Array
     fix_time: Array
     fixes: Array
     delay: float
-    integrated_position: Array
-    integrated_velocity: Array
+    integrated: dict[str, Array]
     estimated: dict[str, SchemeHistory]
     left_out: dict[str, str]
     sea: str = ""
@@ -129,16 +120,16 @@ def simulate_histories(config: HubConfig) -> Histories:
     """
     records, period, factor, conditions = make_record(config, SEA)
     sensors, motion = records.sensors, records.motion[0]
-    signal = [
-        factor * np.outer(series, records.direction)
-        for series in (motion.position, motion.velocity, motion.acceleration)
-    ]
+    truth = {
+        quantity: factor * np.outer(getattr(motion, quantity), records.direction)
+        for quantity in ("position", "velocity", "acceleration")
+    }
+    truth["bias"] = next(simulate_bias(config.sensors, sensors, records.steps, records.stream(0)))
     force, fixes = records.measure(factor)
     T = sensors.step
     measured = force + np.array(sensors.gravity)
-    integrated_velocity = signal[1][0] + _shift_by_one(np.cumsum(T * measured, axis=0))
-    increments = T * integrated_velocity + 0.5 * T**2 * measured
-    integrated_position = signal[0][0] + _shift_by_one(np.cumsum(increments, axis=0))
+    velocity = truth["velocity"][0] + _sum_before(T * measured)
+    position = truth["position"][0] + _sum_before(T * velocity + 0.5 * T**2 * measured)
 
     estimated: dict[str, SchemeHistory] = {}
     left_out: dict[str, str] = {}
@@ -158,35 +149,27 @@ def simulate_histories(config: HubConfig) -> Histories:
         amplitude=float(factor * np.abs(motion.position).max()) if conditions else AMPLITUDE,
         sea=find_world(config).describe_values(conditions) if conditions else "",
         time=T * np.arange(records.steps),
-        position=signal[0],
-        velocity=signal[1],
-        acceleration=signal[2],
-        bias=next(simulate_bias(config.sensors, sensors, records.steps, records.stream(0))),
+        truth=truth,
         measured=measured,
         fix_time=sensors.fix_step * np.arange(len(fixes)),
         fixes=fixes,
         delay=sensors.delay * T,
-        integrated_position=integrated_position,
-        integrated_velocity=integrated_velocity,
+        integrated={"position": position, "velocity": velocity},
         estimated=estimated,
         left_out=left_out,
     )
 
 
-def _shift_by_one(sums: Array) -> Array:
-    """Shift running sums (steps, 2) by one row: row k becomes the sum over the steps before k."""
-    return np.concatenate([np.zeros((1, sums.shape[1])), sums[:-1]])
+def _sum_before(values: Array) -> Array:
+    """Return running sums (steps, 2): row k is the sum of the values of the steps before k."""
+    return np.pad(np.cumsum(values[:-1], axis=0), ((1, 0), (0, 0)))
 
 
 def _estimate(chain: Chain, sensors: Sensors, force: Array, fixes: Array) -> SchemeHistory:
-    position, velocity, _ = estimates.trajectories(chain, force, fixes)
-    state = estimates.states(chain, force, fixes)
     lag = lag_of(chain)
-    state[:lag] = np.nan  # these times lie before the record
-    return SchemeHistory(
-        position=position,
-        velocity=velocity,
-        acceleration=state[:, 2] if has_acceleration(chain) else None,
-        bias=bias_of(state, sensors),
-        lag=lag,
-    )
+    position, velocity, _ = estimates.trajectories(chain, force, fixes)
+    state = estimates.states(chain, force, fixes)[lag:]  # the rows before are of earlier times
+    values = {"position": position, "velocity": velocity, "bias": bias_of(state, sensors)}
+    if has_acceleration(chain):
+        values["acceleration"] = state[:, 2]
+    return SchemeHistory(values, lag)

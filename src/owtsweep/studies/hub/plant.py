@@ -22,24 +22,21 @@ from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.world import World
 from owtsweep.waves import Sea
 
-HS = Condition("hs", "significant wave height", "m")
-TP = Condition("tp", "peak period", "s")
-BLADES = Condition("blades", "mounted blades", plural="mounted blades")
 FRICTION_ANGLE = Condition("friction_angle", "friction angle", "deg")
-#: The conditions of motion=plant.
-SEA_CONDITIONS = (HS, TP, BLADES, FRICTION_ANGLE)
 
 
 class PlantWorld(World):
     """A structure under waves: the motion has its own size."""
 
     name = "plant"
-    conditions = SEA_CONDITIONS
+    conditions = (
+        Condition("hs", "significant wave height", "m"),
+        Condition("tp", "peak period", "s"),
+        Condition("blades", "mounted blades", plural="mounted blades"),
+        FRICTION_ANGLE,
+    )
     section = "motion"
     has_spectrum = False
-    boundary = None
-    words = "sea states, blades, friction angles"
-    counted = "{} combinations of sea states, blades and friction angles"
     #: Position, velocity, acceleration, what an IMU feels, and for a while the slope: eight bytes
     #: each.
     bytes_per_step = 40

@@ -184,15 +184,18 @@ def _make_table(
     bounds: Mapping[str, Array],
 ) -> pd.DataFrame:
     """Make the table vary.csv: a row per value, scheme and motion."""
-    lines = []
     places = product(enumerate(values), enumerate(names), enumerate(motions))
-    for (v, value), (s, name), (m, (period, amplitude)) in places:
-        of_schemes = {f"mse_{measure}": every[s, v, m] for measure, every in mse.items()}
-        of_bounds = {f"bound_{measure}": bound[v] for measure, bound in bounds.items()}
-        place = {"value": value, "scheme": name}
-        motion = {"natural_period": period, "amplitude": amplitude}
-        lines.append({**place, **motion, **of_schemes, **of_bounds})
-    return pd.DataFrame(lines)
+    return pd.DataFrame(
+        {
+            "value": value,
+            "scheme": name,
+            "natural_period": period,
+            "amplitude": amplitude,
+            **{f"mse_{measure}": every[s, v, m] for measure, every in mse.items()},
+            **{f"bound_{measure}": bound[v] for measure, bound in bounds.items()},
+        }
+        for (v, value), (s, name), (m, (period, amplitude)) in places
+    )
 
 
 def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:

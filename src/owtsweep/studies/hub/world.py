@@ -12,10 +12,8 @@ from typing import ClassVar
 
 from owtsweep.config import Plain, as_mapping
 from owtsweep.errors import require
-from owtsweep.motion.departing import PacedSource, PeakSum
-from owtsweep.motion.modulation import ModulatedSource, Modulation
+from owtsweep.motion.departing import ModulatedSource, Modulation, PacedSource, PeakSum
 from owtsweep.motion.source import Source
-from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub.config import STRUCTURE, HubConfig, MotionConfig
@@ -29,10 +27,6 @@ class World(ABC):
     name: the value of the key `motion` that chooses it.
     conditions, section: the axes of the grid, and the configuration's section with their values.
     has_spectrum: whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
-    boundary: the schemes whose boundary is reported: the first is better at amplitudes below the
-        boundary, the second above. None: there are no amplitudes.
-    words, counted: the conditions in words, for advice to give fewer of them, and for their number:
-        of the counts of records' conditions and of amplitudes.
     bytes_per_step, seconds_per_step: memory and computing time that the motion of a record needs
         per IMU step, besides what schemes need.
     """
@@ -41,9 +35,6 @@ class World(ABC):
     conditions: ClassVar[tuple[Condition, ...]]
     section: ClassVar[str]
     has_spectrum: ClassVar[bool]
-    boundary: ClassVar[tuple[str, str] | None]
-    words: ClassVar[str]
-    counted: ClassVar[str]
     bytes_per_step: ClassVar[int]
     seconds_per_step: ClassVar[float]
 
@@ -65,8 +56,12 @@ class World(ABC):
         """Return what a block's numbers depend on because of the world, besides the conditions."""
 
     def list_pairing(self, config: HubConfig) -> Plain:
-        """Return what two runs must share so that their records can be paired."""
-        return self.list_content(config)
+        """Return what two runs must share so that their records can be paired.
+
+        An envelope changes no phase.
+        """
+        optional = dict.fromkeys(("motion", "structure", "peaks", "pace"))
+        return {**optional, **self.list_content(config), "envelope": None}
 
     @abstractmethod
     def describe(self, config: HubConfig) -> str:
@@ -120,9 +115,6 @@ class SpectrumWorld(World):
     conditions = CONDITIONS
     section = "grid"
     has_spectrum = True
-    boundary = BOUNDARY
-    words = "natural periods, amplitudes"
-    counted = "{} natural periods x {} amplitudes"
     #: Position, velocity and acceleration, eight bytes each.
     bytes_per_step = 24
     seconds_per_step = 0.0
@@ -144,11 +136,6 @@ class SpectrumWorld(World):
             name: value for name in ("peaks", "pace") if (value := getattr(config.motion, name))
         }
 
-    def list_pairing(self, config: HubConfig) -> Plain:
-        pairing = {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
-        named = (key for key in list_departing(config) if key != "motion.envelope")
-        return pairing | {key: attrgetter(key)(config) for key in named}
-
     def describe(self, config: HubConfig) -> str:
         motion = config.motion
         parts = []
@@ -169,8 +156,7 @@ class SpectrumWorld(World):
             source = stretch_sea(config, period)
         else:
             periods = [period] if motion.peaks is None else [1.0 / peak for peak in motion.peaks]
-            kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
-            shapes = tuple(spectrum(kind, each, bandwidth) for each in periods)
+            shapes = tuple(map(config.spectrum.at, periods))
             shape = shapes[0] if motion.peaks is None else PeakSum(shapes)
             source = SpectralSource(shape, (low, high), config.normalise)
         if motion.pace is not None:
@@ -238,7 +224,7 @@ def _check_band(config: HubConfig) -> None:
 
 def _check_spectrum(config: HubConfig) -> None:
     for period in config.grid.natural_period:
-        of_period = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        of_period = config.spectrum.at(period)
         peak = of_period.peak_frequency
         require(
             of_period.peak_margin > LEAST_MARGIN,

@@ -9,15 +9,15 @@ from functools import lru_cache
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.motion.spectra import Spectrum
 from owtsweep.motion.synthesis import lines
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
+from owtsweep.studies.hub.known_motion import peak_factors
 from owtsweep.studies.hub.listed import SCHEMES, resolve
-from owtsweep.studies.hub.peak import peak_factors
 from owtsweep.studies.hub.sensors import Sensors
 
 
@@ -109,12 +109,8 @@ def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Arr
     """
     _, frequency = lines((config.band[0], config.band[1]), 2.0 * config.record.duration)
     at_lines = curve.at(frequency)
-    kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
     expected = np.array(
-        [
-            expected_ratio(spectrum(kind, period, bandwidth), at_lines, frequency)
-            for period in periods
-        ]
+        [expected_ratio(config.spectrum.at(period), at_lines, frequency) for period in periods]
     )
     if config.normalise == "peak":
         expected *= peak_factors(config, periods)[:, None, None]

@@ -26,8 +26,8 @@ from owtsweep.studies.hub.error_curves.of_schemes import (
     noise_of,
 )
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
+from owtsweep.studies.hub.known_motion import RECORDS, factor_at, ladder
 from owtsweep.studies.hub.listed import SCHEMES, resolve_all
-from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
 from owtsweep.sweep.study import Block
 
 

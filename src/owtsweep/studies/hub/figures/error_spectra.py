@@ -6,6 +6,7 @@ The figure shows which of the two errors makes a scheme win.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,6 @@ from matplotlib.ticker import NullFormatter
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.base.schemes import StoredScheme
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
@@ -63,16 +63,12 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
     for scheme in resolve_all(config.schemes, config):
         if scheme.batched != "chain":
             continue
-        try:
+        with suppress(InputError):
             chain = scheme.kernel(Known(sensors, config))
-            spectrum = error_spectrum(chain, sensors, frequency)
-        except InputError:
-            continue
-        try:
-            floor = noise_floor(chain, sensors)
-        except InputError:
-            floor = None
-        errors[scheme.name] = SchemeErrors(spectrum, floor)
+            spectrum, floor = error_spectrum(chain, sensors, frequency), None
+            with suppress(InputError):
+                floor = noise_floor(chain, sensors)
+            errors[scheme.name] = SchemeErrors(spectrum, floor)
     return errors
 
 
@@ -129,7 +125,7 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
     frequency = np.geomspace(config.band[0], config.band[1], 2000)
     shown = [periods[i] for i in chosen]
     for number, period in enumerate(shown):
-        shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        shape = config.spectrum.at(period)
         density = shape.density(frequency) / shape.density(np.array([shape.peak_frequency]))
         grey = str(0.15 + 0.5 * number / max(len(shown) - 1, 1))
         axes.loglog(frequency, density, color=grey, linewidth=1.0)

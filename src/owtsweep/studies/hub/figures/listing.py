@@ -12,6 +12,7 @@ from owtsweep.figures import regret_map
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import Value, select
 from owtsweep.results.status import FAILED
+from owtsweep.results.summary import summarise
 from owtsweep.studies.hub.conditions import JUDGED, find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
@@ -68,7 +69,10 @@ def drawings(
         found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
     world = find_world(config)
     if world.has_spectrum:
-        summary = _share_records(config, rows) if config.grid.decides else tables["summary"]
+        summary = tables["summary"]
+        if config.grid.decides:  # over the records alone that all schemes of a cell have
+            shared = summarise(make_cube(config, rows, baselines=True), shared=True)
+            summary = judge_efficiency(shared, config)
         found |= over_amplitude(config, summary, set(summary["natural_period"]), same)
         found |= {**list_efficiency(config, summary), **list_distributions(config, rows)}
     names, axes = scheme_names(config) + list_baselines(config), world.order_axes(config)
@@ -79,14 +83,6 @@ def drawings(
             _illustrations(config, same), describe_origin(config, f"seed {config.seed}"), metadata
         ),
     }
-
-
-def _share_records(config: HubConfig, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the table summary over the records alone that all schemes of a cell have."""
-    from owtsweep.results.summary import summarise
-
-    summary = summarise(make_cube(config, rows, baselines=True), shared=True)
-    return judge_efficiency(summary, config)
 
 
 def save_each(

@@ -16,7 +16,7 @@ from scipy.signal import welch
 from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
-from owtsweep.motion.spectra import Spectrum, spectrum, translated
+from owtsweep.motion.spectra import Spectrum, translated
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import MEANING
 from owtsweep.studies.hub.histories import make_record
@@ -148,7 +148,7 @@ def _first_record(config: HubConfig) -> Displacement:
             title=f"natural period {period:g} s",
             made_of="spectrum of Eq. (1)",
             size=f"{MEANING[config.normalise]} 1 m along the waves",
-            given=spectrum(config.spectrum.kind, period, config.spectrum.bandwidth),
+            given=config.spectrum.at(period),
             given_label="S(f), Eq. (1), scaled",
             peaks={},
         )

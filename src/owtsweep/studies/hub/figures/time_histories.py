@@ -73,8 +73,7 @@ def _describe_motion(histories: Histories, tuning: str) -> str:
 def _names(histories: Histories, quantity: str) -> list[str]:
     estimated = histories.estimated
     names = [name for name in estimated if name in SHOWN] or list(estimated)
-    if quantity == "acceleration":
-        names = [name for name in names if estimated[name].acceleration is not None]
+    names = [name for name in names if quantity in estimated[name].values]
     if not names:
         wanted = " with the model sigma1" if quantity == "acceleration" else ""
         raise InputError(
@@ -102,11 +101,8 @@ def _name_part(histories: Histories, view: View) -> str:
 
 def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
     """Return the times (n,), s, to which a scheme's estimates refer, and the estimates (n, 2)."""
-    estimated = histories.estimated[name]
-    values = getattr(estimated, quantity)
-    if quantity in ("position", "velocity"):
-        return histories.time, values
-    return histories.time[: len(values) - estimated.lag], values[estimated.lag :]
+    values = histories.estimated[name].values[quantity]
+    return histories.time[: len(values)], values
 
 
 def _values(
@@ -117,7 +113,7 @@ def _values(
     def inside(time: Array, values: Array) -> Line:
         return make_line(*clip(time, values[:, axis], view))
 
-    time, truth = histories.time, getattr(histories, quantity)
+    time, truth = histories.time, histories.truth[quantity]
     estimates = {name: _estimate(histories, name, quantity) for name in names}
     marks: list[Curve] = []
     limits: Limits = (None, None)
@@ -154,8 +150,8 @@ def _drift(
     Return the line, unless it lies outside the panel during the whole view; the limits of the
     vertical axis, None without the line; and the note, which says when the line leaves the panel.
     """
-    time, truth = histories.time, getattr(histories, quantity)[:, axis]
-    alone = getattr(histories, f"integrated_{quantity}")[:, axis]
+    time, truth = histories.time, histories.truth[quantity][:, axis]
+    alone = histories.integrated[quantity][:, axis]
     reach = VIEW * float(np.max(np.abs(truth)))
     marks: list[Curve] = []
     limits: Limits = (None, None)
@@ -176,7 +172,7 @@ def _drift(
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
     """Make the panel of the errors of x in the `view`, or of accumulated errors without one."""
-    truth = getattr(histories, quantity)
+    truth = histories.truth[quantity]
     estimates = ((name, *_estimate(histories, name, quantity)) for name in names)
     errors = {name: (time, values - truth[: len(values)]) for name, time, values in estimates}
     schemes = list(histories.estimated)
@@ -189,33 +185,29 @@ def _errors(histories: Histories, quantity: str, names: Sequence[str], view: Vie
 
 
 def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> str:
-    sentences = [
-        f"The paper does not give the amplitude of its histories; {histories.amplitude:g} m is our"
-        " choice (its text has HME1 ahead of HME2 there, and at 4 s only above 0.3 m)."
-    ]
-    if histories.sea:
-        sentences = ["The displacement is along the waves; x is north, y east."]
-    if quantity == "position":
-        sentences.append(f"A fix tells the position of {histories.delay:g} s before it arrives.")
-    if quantity in ("position", "velocity"):
-        sentences.append("The IMU alone is integrated from the true initial state.")
-    else:
-        sentences += _lags(histories, names)
-    if quantity == "bias":
-        sentences.append(
-            "Panels of x and y are scaled to what is left after the first tenth of the record;"
-            " before, lines may leave them."
-        )
-    if quantity in ("acceleration", "bias") and len(names) > 1:
-        sentences.append("Where one line shows, the others lie under it.")
+    moves = quantity in ("position", "velocity")
     others = [name for name in histories.estimated if name not in names]
     blind = [name for name in others if name in SHOWN]
-    sentences += [f"{name} estimates no {quantity}." for name in blind]
-    if len(others) > len(blind):
-        rest = " and ".join(name for name in others if name not in blind)
-        sentences.append(f"Not drawn, as in the paper: {rest}.")
-    sentences += [f"{name} is left out: {why}." for name, why in histories.left_out.items()]
-    return " ".join(sentences)
+    rest = " and ".join(name for name in others if name not in blind)
+    holds = {
+        f"The paper does not give the amplitude of its histories; {histories.amplitude:g} m is our"
+        " choice (its text has HME1 ahead of HME2 there, and at 4 s only above 0.3 m).": (
+            not histories.sea
+        ),
+        "The displacement is along the waves; x is north, y east.": histories.sea != "",
+        f"A fix tells the position of {histories.delay:g} s before it arrives.": (
+            quantity == "position"
+        ),
+        "The IMU alone is integrated from the true initial state.": moves,
+        **dict.fromkeys(_lags(histories, names), not moves),
+        "Panels of x and y are scaled to what is left after the first tenth of the record; before,"
+        " lines may leave them.": quantity == "bias",
+        "Where one line shows, the others lie under it.": not moves and len(names) > 1,
+        **{f"{name} estimates no {quantity}.": True for name in blind},
+        f"Not drawn, as in the paper: {rest}.": rest != "",
+        **{f"{name} is left out: {why}.": True for name, why in histories.left_out.items()},
+    }
+    return " ".join(sentence for sentence, is_so in holds.items() if is_so)
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
