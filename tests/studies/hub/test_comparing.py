@@ -18,6 +18,7 @@ import owtsweep
 from owtsweep.comparing.changes import compare_boundaries
 from owtsweep.errors import InputError
 from owtsweep.results.boundary import find_boundary, subtract_schemes
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.world import CONDITIONS
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep import shard
@@ -235,3 +236,15 @@ def fabricated(rows: pd.DataFrame) -> pd.DataFrame:
     factor = 1.0 + 0.1 * upper.replicate
     lower = upper.assign(scheme="HME2", motion=upper.motion * 2.0 * factor, noise=0.5 * upper.noise)
     return pd.concat([upper, lower], ignore_index=True)
+
+
+def test_what_pairs_records_is_the_same_question_of_every_motion() -> None:
+    sea = ["structure=ren2019", "motion.hs=[2.0]", "motion.tp=[8.0]"]
+    words = [[], ["motion.envelope=[[0,1],[9,2]]"], ["motion.pace=[[0,1.1]]"], sea]
+    plain, grown, *others = (
+        find_world(config).list_pairing(config) for config in map(owtsweep.studies.compose, words)
+    )
+    assert grown == plain  # an envelope changes no phase
+    for other in others:
+        assert {*other} == {*plain}
+        assert other != plain

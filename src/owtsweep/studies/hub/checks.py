@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import prod
 
 from owtsweep.config.section import fields_along
-from owtsweep.errors import InputError, require
+from owtsweep.errors import require
 from owtsweep.studies.hub.conditions import find_world, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
@@ -93,12 +93,11 @@ def _check_sensors(config: HubConfig) -> None:
         "of the GNSS, or raise sensors.imu.rate",
     )
     ratio = imu.rate / gnss.rate
-    if abs(ratio - round(ratio)) > GRAIN * ratio:
-        low, high = imu.rate / math.ceil(ratio), imu.rate / math.floor(ratio)
-        raise InputError(
-            f"sensors.gnss.rate: {gnss.rate:g} Hz does not divide the IMU's {imu.rate:g} Hz; use "
-            f"{low:.10g} or {high:.10g}"
-        )
+    require(
+        abs(ratio - round(ratio)) <= GRAIN * ratio,
+        f"sensors.gnss.rate: {gnss.rate:g} Hz does not divide the IMU's {imu.rate:g} Hz; use "
+        f"{imu.rate / math.ceil(ratio):.10g} or {imu.rate / math.floor(ratio):.10g}",
+    )
     if imu.high_pass is not None:
         require(
             imu.high_pass < imu.rate / 2.0,
@@ -120,12 +119,11 @@ def _check_steps(key: str, value: float, rate: float) -> None:
     """
     step = 1.0 / rate
     count = value / step
-    if abs(count - round(count)) > GRAIN * max(1.0, count):
-        low, high = math.floor(count) * step, math.ceil(count) * step
-        raise InputError(
-            f"{key}: {value:g} s is no multiple of the IMU step {step:g} s; use {low:.10g} or "
-            f"{high:.10g}"
-        )
+    require(
+        abs(count - round(count)) <= GRAIN * max(1.0, count),
+        f"{key}: {value:g} s is no multiple of the IMU step {step:g} s; use "
+        f"{math.floor(count) * step:.10g} or {math.ceil(count) * step:.10g}",
+    )
 
 
 def _check_record(config: HubConfig) -> None:
@@ -262,14 +260,14 @@ def check_mhe(config: HubConfig) -> None:
     M = round(imu.rate / gnss.rate)
     steps = mhe.interval * imu.rate
     divisors = [d for d in range(1, M + 1) if M % d == 0]
-    if min(abs(steps - d) for d in divisors) > GRAIN * max(1.0, steps):
-        low = max((d for d in divisors if d <= steps), default=1)
-        high = min((d for d in divisors if d >= steps), default=M)
-        values = " or ".join(f"{d / imu.rate:.10g}" for d in sorted({low, high}))
-        raise InputError(
-            f"hme.mhe.interval: {mhe.interval:g} s is not a whole number of IMU steps that divides "
-            f"the GNSS interval {1.0 / gnss.rate:g} s; use {values}"
-        )
+    low = max((d for d in divisors if d <= steps), default=1)
+    high = min((d for d in divisors if d >= steps), default=M)
+    values = " or ".join(f"{d / imu.rate:.10g}" for d in sorted({low, high}))
+    require(
+        min(abs(steps - d) for d in divisors) <= GRAIN * max(1.0, steps),
+        f"hme.mhe.interval: {mhe.interval:g} s is not a whole number of IMU steps that divides the "
+        f"GNSS interval {1.0 / gnss.rate:g} s; use {values}",
+    )
     require(
         mhe.horizon / gnss.rate < config.record.duration,
         f"hme.mhe.horizon: {mhe.horizon} GNSS intervals ({mhe.horizon / gnss.rate:g} s) are longer "

@@ -60,7 +60,7 @@ class World(ABC):
 
         An envelope changes no phase.
         """
-        optional = dict.fromkeys(("motion", "structure", "peaks", "pace"))
+        optional = dict.fromkeys(("motion", "structure", "plant_version", "peaks", "pace"))
         return {**optional, **self.list_content(config), "envelope": None}
 
     @abstractmethod
