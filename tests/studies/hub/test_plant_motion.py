@@ -26,8 +26,8 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
+from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records_at
-from owtsweep.studies.hub.seas import make_plant
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan

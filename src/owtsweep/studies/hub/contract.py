@@ -6,7 +6,8 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple, NoReturn, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Literal, NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,7 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base import contract
-from owtsweep.studies.base.contract import Knowledge
+from owtsweep.studies.base.contract import ByFunction, Knowledge
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import Measured, Sensors
 
@@ -40,18 +41,6 @@ class OwnKernel(Protocol):
         The sums are those of `batch.sum_errors` with an amplitude. `settled` is the number of the
         first step after the settling time.
         """
-
-
-class Looped(NamedTuple):
-    """A scheme made ready: it is started again for each record and updated at each step."""
-
-    scheme: Scheme
-    known: Known
-
-    def run(self, measured: Measured) -> Trajectory:
-        estimator = self.scheme.start_for_runs(self.known)
-        with np.errstate(over="ignore", invalid="ignore"):  # reported as the reason of a failure
-            return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
 
 
 #: Where the coordinates of the studies begin. An origin of None stands for the first fix.
@@ -119,9 +108,9 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     def start(self, known: Known) -> Estimator:
         """Return a new estimator whose estimate is zero."""
 
-    def prepare(self, known: Known) -> Looped:
-        """Return the scheme ready for records."""
-        return Looped(self, known)
+    def prepare(self, known: Known) -> ByFunction[Known, Measured, Trajectory]:
+        """Return the scheme ready for records; it is started again for each."""
+        return ByFunction(partial(_run_by_steps, self), known)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> Estimator:
         """Return a new estimator for use on board, compiled if there is one.
@@ -180,6 +169,12 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
 
     def _lacks(self, method: str) -> NoReturn:
         raise NotImplementedError(f"{self.name} has no {method}")
+
+
+def _run_by_steps(scheme: Scheme, known: Known, measured: Measured) -> Trajectory:
+    estimator = scheme.start_for_runs(known)
+    with np.errstate(over="ignore", invalid="ignore"):  # reported as the reason of a failure
+        return run_estimator(estimator, *measured, known.sensors.fix_interval)
 
 
 def run_stepwise(scheme: Scheme, unbatched: str) -> Scheme:

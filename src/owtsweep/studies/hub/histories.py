@@ -16,8 +16,8 @@ from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve_all
+from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
-from owtsweep.studies.hub.seas import make_plant
 from owtsweep.studies.hub.sensors import Sensors, simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.

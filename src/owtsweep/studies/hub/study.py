@@ -11,11 +11,10 @@ from owtsweep.config import Plain
 from owtsweep.errors import require
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.studies.hub import kernels
-from owtsweep.studies.hub.conditions import find_world, require_spectrum
+from owtsweep.studies.hub.conditions import find_world, list_departing, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
 from owtsweep.studies.hub.untold import list_untold
-from owtsweep.studies.hub.world import list_departing
 from owtsweep.sweep.levers import Lever, double, halve
 from owtsweep.sweep.study import Engine, Study, Tuned, Varied, add_versions
 
