@@ -20,14 +20,7 @@ from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.cube import Cube
 from owtsweep.results.regret import SUMMARY
 from owtsweep.results.verdicts import Asked, count_cells
-from owtsweep.studies.hub.conditions import (
-    CRITERIA,
-    JUDGED,
-    MEASURES,
-    criteria,
-    find_world,
-    list_departing,
-)
+from owtsweep.studies.hub.conditions import CRITERIA, JUDGED, MEASURES, find_world, list_departing
 from owtsweep.studies.hub.config import HubConfig, SensorConfig
 from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.tuning_rules import take_facts
@@ -268,7 +261,7 @@ def ask(config: HubConfig) -> Asked:
     """Return what a configuration asks of its map, with the criterion that decides first."""
     first, grid = config.measures.criterion, config.grid
     return Asked(
-        {name: JUDGED[name] for name in (first, *criteria(config))},
+        {name: JUDGED[name] for name in (first, *CRITERIA)},
         config.measures.window,
         [*SCHEMES.rank(config)],
         list_baselines(config),
