@@ -23,7 +23,7 @@ from owtsweep.motion.spectra import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
 from owtsweep.studies import compose
-from owtsweep.studies.hub.plant import PLANT, make_plant
+from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import STUDY
 
 #: The band around the resonance, relative to the first natural frequency.
@@ -38,7 +38,7 @@ rows: list[dict[str, Any]] = []
 grid = PLANT.get_grid(config)
 for values in product(*map(sorted, grid.values())):
     conditions = dict(zip(grid, values, strict=True))
-    plant = make_plant(config, conditions)
+    plant = PLANT.make_source(config, conditions)
     powers = []
     for replicate in range(config.grid.replicates):
         drawn = partial(stream, config.seed, STUDY, (), replicate)

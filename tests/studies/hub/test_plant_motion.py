@@ -26,7 +26,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
-from owtsweep.studies.hub.plant import make_plant
+from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import run_hash
@@ -97,7 +97,7 @@ def test_the_lean_takes_the_structures_own_gravity(tmp_path):
 
 def test_a_matched_filter_believes_in_the_first_modes_slope():
     config: Any = compose(["motion=plant", "tuning=matched", "motion.blades=[2,0]"])
-    slope = make_plant(config, SEA | {"blades": 0}).vibration.slope[0]
+    slope = PLANT.make_source(config, SEA | {"blades": 0}).vibration.slope[0]
     assert config.mkf.tilt == config.hme2.tilt == pytest.approx(slope, rel=1e-3)
     paper: Any = compose(["motion=plant", "tuning=paper"])
     assert paper.mkf.tilt == 0.0
@@ -124,12 +124,12 @@ def test_all_sea_states_share_phases_and_noise():
 
 def test_blades_angle_and_damping_reach_the_structure():
     config = plant(motion__damping=0.03)
-    vibration = make_plant(config, SEA).vibration
+    vibration = PLANT.make_source(config, SEA).vibration
     assert vibration.damping == 0.03
     first = vibration.frequency[0]
-    assert make_plant(config, SEA | {"blades": 2}).vibration.frequency[0] < 0.95 * first
+    assert PLANT.make_source(config, SEA | {"blades": 2}).vibration.frequency[0] < 0.95 * first
     soft, stiff = (
-        make_plant(config, SEA | {"friction_angle": angle}).vibration.frequency[0]
+        PLANT.make_source(config, SEA | {"friction_angle": angle}).vibration.frequency[0]
         for angle in (28.0, 40.0)
     )
     assert soft < first < stiff
@@ -221,7 +221,7 @@ def test_a_structure_may_be_a_file_of_values(tmp_path):
     assert isinstance(config, HubConfig)
     assert config.structure is not None
     assert (config.structure.name, config.structure.tubes[0].top) == ("clamped", 80.0)
-    make_plant(config, SEA)
+    PLANT.make_source(config, SEA)
     with pytest.raises(InputError, match=r"friction_angle: structure clamped stands in no soil"):
         HubStudy().check(with_values(config, {"motion.friction_angle": [30.0]}))
     with pytest.raises(InputError, match=r"motion.blades: structure clamped has no blade"):
@@ -330,7 +330,7 @@ def test_figures_3_and_4_show_the_sea_of_the_paper():
     spectrum = record_and_spectrum.draw_spectrum(config).axes[0]
     lines = {line.get_label(): line for line in spectrum.lines}
     frequency, density = lines["this record (Welch)"].get_data()
-    first = make_plant(config, sea).vibration.frequency[0]
+    first = PLANT.make_source(config, sea).vibration.frequency[0]
     assert np.asarray(frequency)[np.argmax(density)] == pytest.approx(first, abs=0.005)
     assert lines["first mode"].get_xdata()[0] == pytest.approx(first)
     assert lines["peak of the waves"].get_xdata()[0] == pytest.approx(0.125)

@@ -18,7 +18,7 @@ from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Value
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.hub.config import STRUCTURE, HubConfig, MotionConfig
-from owtsweep.studies.hub.plant import ONE_SEA, PLANT, check_one_sea, list_plant, stretch_sea
+from owtsweep.studies.hub.plant import ONE_SEA, PLANT, check_one_sea, stretch_sea
 from owtsweep.studies.hub.world import CONDITIONS, World
 
 #: The order of measures in tables.
@@ -60,7 +60,7 @@ class SpectrumWorld(World):
         content = {key: whole[key] for key in ("spectrum", "normalise", "band")}
         content["envelope"] = config.motion.envelope
         if config.structure is not None:  # else blocks keep their keys
-            content |= list_plant(config)
+            content |= PLANT.list_content(config)
             content["motion"] |= {name: getattr(config.motion, name) for name in ONE_SEA}
         return content | {
             name: value for name in ("peaks", "pace") if (value := getattr(config.motion, name))

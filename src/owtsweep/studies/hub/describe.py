@@ -7,7 +7,7 @@ who regrets least if the world is another one, from a stored sweep.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -202,26 +202,17 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
     if "baseline_wins" not in table:  # baselines are contenders, or there are none
         leading = [name for name in list_baselines(config) if (table["best"] == name).any()]
         return Winners(table, names + leading, explain(leading))
-    leads = (table["mse_baseline"] < table["mse_best"]).to_numpy()
+    leads = table["mse_baseline"] < table["mse_best"]
     led = table[leads]
     wins = led["baseline_wins"].to_numpy(dtype=bool)
-    changed: dict[str, Any] = {
-        "best": led["baseline"],
-        "mse_best": led["mse_baseline"],
-        "runner_up": led["best"],
-        "mse_runner_up": led["mse_best"],
-        "difference": led["mse_best"] - led["mse_baseline"],
-        "ci_low": np.nan,
-        "ci_high": np.nan,
-        "distinguishable": wins,
-        "verdict": np.where(wins, "won", "open"),
-        "error_best": led["error_baseline"],
-        "error_runner_up": led["error_best"],
-        "error_low": np.nan,
-        "error_high": np.nan,
-    }
-    for name, values in changed.items():
-        table.loc[leads, name] = values
+    for end, own in (("best", "baseline"), ("runner_up", "best")):
+        table.loc[leads, end] = led[own]
+        for kind in ("mse", "error"):
+            table.loc[leads, f"{kind}_{end}"] = led[f"{kind}_{own}"]
+    table.loc[leads, "difference"] = led["mse_best"] - led["mse_baseline"]
+    table.loc[leads, ["ci_low", "ci_high", "error_low", "error_high"]] = np.nan
+    table.loc[leads, "distinguishable"] = wins
+    table.loc[leads, "verdict"] = np.where(wins, "won", "open")
     winning, undecided, leading = (
         [name for name in list_baselines(config) if (cells["baseline"] == name).any()]
         for cells in (led[wins], led[~wins], led)

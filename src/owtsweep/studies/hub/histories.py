@@ -16,7 +16,7 @@ from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.plant import make_plant
+from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.sensors import Sensors, simulate_bias
 
@@ -39,7 +39,7 @@ class SchemeHistory:
         is for step k, made at step k + `lag`; the last `lag` steps of the record have none.
     """
 
-    values: dict[str, Array]
+    values: Mapping[str, Array]
     lag: int
 
 
@@ -64,12 +64,12 @@ class Histories:
     natural_period: float
     amplitude: float
     time: Array
-    truth: dict[str, Array]
+    truth: Mapping[str, Array]
     measured: Array
     fix_time: Array
     fixes: Array
     delay: float
-    integrated: dict[str, Array]
+    integrated: Mapping[str, Array]
     estimated: dict[str, SchemeHistory]
     left_out: dict[str, str]
     sea: str = ""
@@ -107,7 +107,7 @@ def make_record(
         period = natural_period_of(config)
         return make_records(config, period, [0]), period, AMPLITUDE, {}
     conditions = choose_sea(config, sea)
-    period = 1.0 / float(make_plant(config, conditions).vibration.frequency[0])
+    period = 1.0 / float(PLANT.make_source(config, conditions).vibration.frequency[0])
     return make_records_at(config, conditions, [0]), period, 1.0, conditions
 
 
@@ -120,7 +120,7 @@ def simulate_histories(config: HubConfig) -> Histories:
     """
     records, period, factor, conditions = make_record(config, SEA)
     sensors, motion = records.sensors, records.motion[0]
-    truth = {
+    truth: dict[str, Array] = {
         quantity: factor * np.outer(getattr(motion, quantity), records.direction)
         for quantity in ("position", "velocity", "acceleration")
     }

@@ -80,7 +80,13 @@ class PlantWorld(World):
         )
 
     def list_content(self, config: HubConfig) -> Plain:
-        return list_plant(config)
+        motion = config.motion
+        names = ("kind", "gamma", "modes", "damping")
+        return {
+            "motion": {name: getattr(motion, name) for name in names},
+            "structure": as_mapping(find_structure(config)),
+            "plant_version": add_versions(0, *ROOMS),
+        }
 
     def describe(self, config: HubConfig) -> str:
         structure, motion = find_structure(config), config.motion
@@ -92,7 +98,17 @@ class PlantWorld(World):
         )
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
-        return make_plant(config, conditions)
+        motion, structure = config.motion, find_structure(config)
+        angle, damping = conditions["friction_angle"], motion.damping
+        if angle != LAYERS and structure.soil is not None:
+            structure = changed(structure, soil=structure.soil.with_angle(float(angle)))
+        if damping is not None:
+            structure = changed(structure, damping=damping)
+        try:
+            sea = Sea(float(conditions["hs"]), float(conditions["tp"]), motion.gamma)
+        except InputError as error:
+            raise InputError(f"motion.{error}") from error
+        return Plant(structure, sea, int(conditions["blades"]), motion.modes)
 
     def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
         """Return the sensors; with sensors.imu.tilt=structure, they lean as the first mode does."""
@@ -160,38 +176,12 @@ def _check_structure(config: HubConfig) -> None:
         softest["friction_angle"] = min(motion.friction_angle)
     for hs in motion.hs or []:
         for tp in motion.tp or []:
-            plant = make_plant(config, softest | {"hs": hs, "tp": tp})
+            plant = PLANT.make_source(config, softest | {"hs": hs, "tp": tp})
     try:
         _ = plant.vibration
     except InputError as error:
         key = str(error).partition(":")[0]
         raise InputError(f"motion.{error}" if key in ("modes", "blades") else str(error)) from error
-
-
-def list_plant(config: HubConfig) -> Plain:
-    """Return what the motion of the structure depends on, besides the conditions."""
-    motion = config.motion
-    names = ("kind", "gamma", "modes", "damping")
-    return {
-        "motion": {name: getattr(motion, name) for name in names},
-        "structure": as_mapping(find_structure(config)),
-        "plant_version": add_versions(0, *ROOMS),
-    }
-
-
-def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
-    """Return the source of motion under some conditions; raises InputError that names the key."""
-    motion, structure = config.motion, find_structure(config)
-    angle, damping = conditions["friction_angle"], motion.damping
-    if angle != LAYERS and structure.soil is not None:
-        structure = changed(structure, soil=structure.soil.with_angle(float(angle)))
-    if damping is not None:
-        structure = changed(structure, damping=damping)
-    try:
-        sea = Sea(float(conditions["hs"]), float(conditions["tp"]), motion.gamma)
-    except InputError as error:
-        raise InputError(f"motion.{error}") from error
-    return Plant(structure, sea, int(conditions["blades"]), motion.modes)
 
 
 def find_structure(config: HubConfig) -> Structure:
@@ -207,7 +197,7 @@ def stretch_sea(config: HubConfig, period: float) -> StretchedSource:
     """
     usual: Mapping[str, list[Value]] = {"blades": [0], "friction_angle": [LAYERS]}
     conditions = {name: (getattr(config.motion, name) or usual[name])[0] for name in ONE_SEA}
-    plant = make_plant(config, conditions)
+    plant = PLANT.make_source(config, conditions)
     stretch = period * float(plant.vibration.frequency[0])
     return StretchedSource(plant, stretch, config.normalise)
 
