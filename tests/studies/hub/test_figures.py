@@ -366,6 +366,11 @@ def test_errors_of_single_records_are_drawn_if_there_are_several(run, tmp_path, 
     draw_each(drawings(*run), tmp_path, "distributions")
     for part in ("position MSE", "full record", "tuning: paper", "natural period 4 s, amplitude"):
         assert part in shown[0]
+    config, tables, rows = run
+    northwards = changed(config, measures=changed(config.measures, criterion="x"))
+    along_x = rows[rows["measure"] == "position"].assign(measure="x")
+    draw_each(drawings(northwards, tables, pd.concat([rows, along_x])), tmp_path, "distributions")
+    assert "position MSE, x (m²)" in shown[1]
 
 
 def test_one_figure_is_drawn_by_name(run, tmp_path, monkeypatch):

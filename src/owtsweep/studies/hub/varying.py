@@ -6,7 +6,7 @@ The errors are expected ones (`studies.hub.expected`), of the settled part of a 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from operator import attrgetter
@@ -26,7 +26,7 @@ from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import list_sensors, make_cube, tell_not_asked, tell_window
-from owtsweep.studies.hub.expected.answers import RESOLUTION, expect, find_winning
+from owtsweep.studies.hub.expected.answers import RESOLUTION, expect
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.listed import BASELINES, list_baselines, resolve_all, scheme_names
 from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
@@ -132,7 +132,7 @@ def make_errors(
     one = next(iter(configs.values()))
     schemes, baselines = scheme_names(one), list_baselines(one)
     criterion = one.measures.criterion
-    judged, count = mse[criterion], len(schemes)
+    judged = mse[criterion]
     what = {"position": "position, x + y", "velocity": "velocity, vx + vy"}
     unit = "m/s" if criterion == "velocity" else "m"
     listed = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in baselines)
@@ -146,13 +146,9 @@ def make_errors(
         unit=unit,
         error=np.sqrt(judged),
         best=_are_least(judged),
-        best_scheme=_are_least(judged[:count]),
+        best_scheme=_are_least(judged[: len(schemes)]),
         bound=np.sqrt(bounds[criterion]),
         facts=list_common_facts(list(configs.values())),
-        further=tuple(
-            tuple(_name_baselines(along, tuple(configs), baselines, judged[:, :, n], count))
-            for n in range(len(motions))
-        ),
         notes=tuple(notes),
         footnotes=(f"Thin: baselines ({listed}).",) if baselines else (),
         table=_make_table(tuple(configs), [*schemes, *baselines], motions, mse, bounds),
@@ -162,18 +158,6 @@ def make_errors(
 def _are_least(mse: Array) -> NDArray[np.bool_]:
     """Return who has the least MSE; several where the accuracy, `RESOLUTION`, cannot tell."""
     return np.asarray(mse <= (1.0 + RESOLUTION) * mse.min(axis=0))
-
-
-def _name_baselines(
-    along: Condition, values: Sequence[Value], baselines: Sequence[str], mse: Array, count: int
-) -> Iterator[str]:
-    """Yield a sentence on each baseline that is best, and beats every scheme, at some values."""
-    winning, _ = find_winning(mse[count:, :, None], mse[:count].min(axis=0)[:, None])
-    for number, name in enumerate(baselines):
-        winners = zip(values, winning[:, 0], strict=True)
-        places = [along.show(value) for value, winner in winners if winner == number]
-        if places:
-            yield f"{name} has less error than every scheme at {', '.join(places)}."
 
 
 def _make_table(

@@ -182,7 +182,7 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
             config.measures.window,
             title=f"Errors of single records, {criterion} MSE",
             tuning=config.tuning_name,
-            label=PANELS[criterion],
+            label=PANELS.get(criterion, f"position MSE, {criterion} (m²)"),
         )
 
     return {distributions.NAME: draw}
