@@ -11,7 +11,7 @@ from tools import plan_blocks, run_blocks
 
 from owtsweep.studies import compose
 from owtsweep.studies.hub import records
-from owtsweep.studies.hub.conditions import SPECTRUM
+from owtsweep.studies.hub.conditions import WORLDS
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -66,7 +66,7 @@ def test_parts_change_no_bit(overrides, few, monkeypatch, at_a_time):
     assert max(at_a_time) == 5
     at_a_time.clear()
     steps = 20 * (30 if "record.duration=30" in overrides else 150)
-    most = few * SPECTRUM.bytes_per_step * steps + 1
+    most = few * WORLDS["spectrum"].bytes_per_step * steps + 1
     monkeypatch.setattr(records, "MEMORY_SHARE", most)
     pieces = _rows(overrides)
     assert max(at_a_time) == few

@@ -96,9 +96,8 @@ class SpectrumWorld(World):
         return source
 
 
-SPECTRUM = SpectrumWorld()
 #: Value of the key `motion.kind` -> the world that it chooses.
-WORLDS: dict[str, World] = {world.name: world for world in (SPECTRUM, PLANT)}
+WORLDS: dict[str, World] = {world.name: world for world in (SpectrumWorld(), PLANT)}
 
 
 def find_world(config: HubConfig) -> World:

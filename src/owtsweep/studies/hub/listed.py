@@ -140,16 +140,15 @@ class HubTable(SchemeTable):
     def describe_one(self, name: str) -> dict[str, str]:
         """Return facts on a scheme in words, with what it can do."""
         facts = super().describe_one(name)
-        if name not in self.listed:
-            return facts
-        scheme = resolve(name)
-        able = {
-            "linear": scheme.linear,
-            "runs by compiled kernels": scheme.batched != "",
-            "runs on board": scheme.on_board,
-        }
-        keys = {key: facts.pop(key) for key in ("keys",) if key in facts}
-        return {**facts, "can": ", ".join(what for what, can in able.items() if can), **keys}
+        if name in self.listed:
+            scheme = resolve(name)
+            able = {
+                "linear": scheme.linear,
+                "runs by compiled kernels": scheme.batched != "",
+                "runs on board": scheme.on_board,
+            }
+            facts["can"] = ", ".join(what for what, can in able.items() if can)
+        return facts
 
 
 #: The schemes and baselines of the study.

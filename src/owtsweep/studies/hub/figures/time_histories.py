@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -49,14 +49,14 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     tuning: name of the tuning, for the title.
     Raises InputError if none of the schemes estimates the quantity.
     """
-    names = _names(histories, quantity)
+    estimates = _choose(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
-    panels = [_values(histories, quantity, axis, names, view) for axis in range(2)]
+    panels = [_values(histories, quantity, axis, estimates, view) for axis in range(2)]
     return time_histories.draw(
-        [*panels, _errors(histories, quantity, names, view if zoom else None)],
+        [*panels, _errors(histories, quantity, estimates, view if zoom else None)],
         title=f"{time_histories.describe(quantity)} estimate{_name_part(histories, view)}"
         f"{_describe_motion(histories, tuning)}",
-        footnote=_explanations(histories, quantity, names),
+        footnote=_explanations(histories, quantity, list(estimates)),
     )
 
 
@@ -70,16 +70,17 @@ def _describe_motion(histories: Histories, tuning: str) -> str:
     )
 
 
-def _names(histories: Histories, quantity: str) -> list[str]:
-    estimated = histories.estimated
+def _choose(histories: Histories, quantity: str) -> dict[str, Array]:
+    """Return scheme -> estimates (n, 2), from the record's start on, of those that are drawn."""
+    estimated = {name: each.values for name, each in histories.estimated.items()}
     names = [name for name in estimated if name in SHOWN] or list(estimated)
-    names = [name for name in names if quantity in estimated[name].values]
-    if not names:
+    shown = {name: estimated[name][quantity] for name in names if quantity in estimated[name]}
+    if not shown:
         wanted = " with the model sigma1" if quantity == "acceleration" else ""
         raise InputError(
             f"schemes: none of this run estimates the {quantity}; use MKF, HME1 or HME2{wanted}"
         )
-    return names
+    return shown
 
 
 def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
@@ -99,28 +100,22 @@ def _name_part(histories: Histories, view: View) -> str:
     return f", {view[0]:g} to {view[1]:g} s of {length:g} s"
 
 
-def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
-    """Return the times (n,), s, to which a scheme's estimates refer, and the estimates (n, 2)."""
-    values = histories.estimated[name].values[quantity]
-    return histories.time[: len(values)], values
-
-
 def _values(
-    histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
+    histories: Histories, quantity: str, axis: int, estimates: Mapping[str, Array], view: View
 ) -> Panel:
     """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
 
-    def inside(time: Array, values: Array) -> Line:
-        return make_line(*clip(time, values[:, axis], view))
-
     time, truth = histories.time, histories.truth[quantity]
-    estimates = {name: _estimate(histories, name, quantity) for name in names}
+
+    def inside(values: Array) -> Line:
+        return make_line(*clip(time[: len(values)], values[:, axis], view))
+
     marks: list[Curve] = []
     limits: Limits = (None, None)
     note = ""
     if quantity == "acceleration":
-        marks.append(time_histories.show_measurement(inside(time, histories.measured)))
-    marks.append(time_histories.show_truth(inside(time, truth)))
+        marks.append(time_histories.show_measurement(inside(histories.measured)))
+    marks.append(time_histories.show_truth(inside(truth)))
     if quantity in ("position", "velocity"):
         drift, limits, note = _drift(histories, quantity, axis, view)
         marks += drift
@@ -130,13 +125,13 @@ def _values(
         marks.append(time_histories.show_fixes(*fixes, label=label, size=7))
     if quantity == "bias":
         settled = len(time) // 10  # the start would hide everything after it
-        series = [truth, *(values[settled:] for _, values in estimates.values())]
+        series = [truth, *(values[settled:] for values in estimates.values())]
         ends = np.concatenate(series)[:, axis]
         margin = 0.3 * np.ptp(ends)
         limits = ends.min() - margin, ends.max() + margin
     marks += [
-        time_histories.show_estimate(name, list(histories.estimated), inside(*estimate))
-        for name, estimate in estimates.items()
+        time_histories.show_estimate(name, list(histories.estimated), inside(values))
+        for name, values in estimates.items()
     ]
     label = f"{AXES[axis]} {quantity} ({UNITS[quantity]})"
     return Panel(label, marks, view, limits, note, note_color=ALONE["color"])
@@ -170,11 +165,15 @@ def _drift(
     return marks, limits, note
 
 
-def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
+def _errors(
+    histories: Histories, quantity: str, estimates: Mapping[str, Array], view: View | None
+) -> Panel:
     """Make the panel of the errors of x in the `view`, or of accumulated errors without one."""
-    truth = histories.truth[quantity]
-    estimates = ((name, *_estimate(histories, name, quantity)) for name in names)
-    errors = {name: (time, values - truth[: len(values)]) for name, time, values in estimates}
+    time, truth = histories.time, histories.truth[quantity]
+    errors = {
+        name: (time[: len(values)], values - truth[: len(values)])
+        for name, values in estimates.items()
+    }
     schemes = list(histories.estimated)
     if view is None:
         return show_accumulated(errors, schemes, quantity, float(histories.time[-1]))
