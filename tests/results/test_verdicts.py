@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.results.answer import tell_alike, tell_answer, tell_cell, tell_scheme
+from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten, tell_cell
 from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
@@ -184,7 +184,8 @@ def test_a_fixed_number_of_records_has_the_same_columns() -> None:
     assert (row["n"], row["look"], row["verdict"]) == (8, 0, "won")
     ratios = compare_with_best(cube, table, {"position": POSITION})
     assert set(ratios["n"]) == {8}
-    assert "times the least" in tell_scheme("HME2", table, ratios, POSITION)
+    (told,) = tell_beaten(["HME2"], table, ratios, POSITION)
+    assert "times the least" in told
 
 
 def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
@@ -203,11 +204,9 @@ def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
     assert here.loc["HME1", "ratio"] == 1.0
     row = table.query("amplitude == 1.0").iloc[0]
     assert here.loc["MKF", "error"] == pytest.approx(row["error_runner_up"], rel=1e-12)
-    told = tell_scheme("HME2", table, ratios, POSITION)
+    told, nothing = tell_beaten(["HME2", "HME1", "EKF"], table, ratios, POSITION)
     assert f"{ratio:.3g} times the least, over 8 records of both." in told
-    assert (
-        tell_scheme("EKF", table, ratios, POSITION) == "EKF is best in no cell: it has no result."
-    )
+    assert nothing == "EKF is best in no cell: it has no result."
 
 
 def test_who_gives_the_errors_of_another_is_named_and_is_no_runner_up() -> None:

@@ -94,28 +94,27 @@ def tell_cell(
 def tell_beaten(
     names: Sequence[str], cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion
 ) -> list[str]:
-    """Return a sentence on each of some schemes that is best in no cell; else as `tell_scheme`."""
-    best = {*cells["best"]}
-    return [tell_scheme(name, cells, ratios, criterion) for name in names if name not in best]
-
-
-def tell_scheme(name: str, cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion) -> str:
-    """Return in one sentence what error a scheme has that is best in no cell.
+    """Return a sentence on the error of each of some schemes that is best in no cell.
 
     cells: rows of best_scheme.csv with one criterion and one window: one row per cell.
     ratios: the run's table ratios.csv.
     """
-    keys = _list_keys(ratios)
-    own = ratios.loc[ratios["scheme"] == name, [*keys, "error", "n"]]
-    both = cells[[*keys, "error_best"]].merge(own, on=keys)
-    if both.empty:
-        return f"{name} is best in no cell: it has no result."
-    ratio, n = both["error"] / both["error_best"], both["n"]
-    records = f", over {_tell_ends(n, 'd')} records of both" * bool(n.max())
-    return (
-        f"{name} is best in no cell: its error is {_tell_range(both['error'], criterion)}, "
-        f"{_tell_ends(ratio, '.3g')} times the least{records}."
-    )
+    keys, sentences = _list_keys(ratios), []
+    for name in names:
+        if (cells["best"] == name).any():
+            continue
+        own = ratios.loc[ratios["scheme"] == name, [*keys, "error", "n"]]
+        both = cells[[*keys, "error_best"]].merge(own, on=keys)
+        if both.empty:
+            sentences.append(f"{name} is best in no cell: it has no result.")
+            continue
+        ratio, n = both["error"] / both["error_best"], both["n"]
+        records = f", over {_tell_ends(n, 'd')} records of both" * bool(n.max())
+        sentences.append(
+            f"{name} is best in no cell: its error is {_tell_range(both['error'], criterion)}, "
+            f"{_tell_ends(ratio, '.3g')} times the least{records}."
+        )
+    return sentences
 
 
 def tell_alike(names: Sequence[str], summary: pd.DataFrame, criteria: Sequence[str]) -> list[str]:

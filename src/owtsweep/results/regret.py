@@ -69,7 +69,7 @@ def make_regret(
         return {}
     named = dict(zip(name_worlds(over), list_weights(over), strict=True))
     total = math.fsum(named[world] for world in cubes)
-    weights = [named[world] / total for world in cubes]
+    weights = {world: named[world] / total for world in cubes}
     names = next(iter(cubes.values())).names
     schemes = list(dict.fromkeys(name for cube in cubes.values() for name in cube.schemes))
     tables = {world: cube.widen(judged.name, judged.window) for world, cube in cubes.items()}
@@ -82,50 +82,72 @@ def make_regret(
         values = there.to_numpy().reshape(len(cubes), len(schemes), -1)
         labels = {**dict(zip(names, place, strict=True)), "criterion": judged.name}
         labels["window"] = judged.window
-        found = _find_regret(judged.criterion.judge(values), np.array(weights), judged.criterion)
-        lines.append(_list_worlds(labels, found, [*cubes], weights, schemes))
-        summaries.append(_list_schemes(labels, found, [*cubes], schemes))
+        found = _find_regret(judged.criterion.judge(values), judged.criterion, weights, schemes)
+        lines.append(found[0].assign(**labels))
+        summaries.append(found[1].assign(**labels))
+    columns, summed = [*names, *COLUMNS], [*names, *SUMMARY_COLUMNS]
+    departs = [sentences[world] for world in cubes]
     return {
-        REGRET: join_lines(lines, [*names, *COLUMNS]),
-        SUMMARY: join_lines(summaries, [*names, *SUMMARY_COLUMNS]),
-        WORLDS: pd.DataFrame(
-            {"world": [*cubes], "weight": weights, "departs": [sentences[w] for w in cubes]}
-        ),
+        REGRET: join_lines(lines, columns)[columns],
+        SUMMARY: join_lines(summaries, summed)[summed],
+        WORLDS: pd.DataFrame({"world": [*cubes], "weight": weights.values(), "departs": departs}),
     }
 
 
-class _Found(NamedTuple):
-    """Errors and regrets (worlds, schemes), those over the worlds (schemes,), and their ranges."""
+def _find_regret(
+    values: Array, criterion: Criterion, weights: Mapping[str, float], schemes: Sequence[str]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Compute the lines of one cell in the tables "regret" and "regret_summary", without labels.
 
-    error: Array
-    regret: Array
-    range: Array
-    mean: Array
-    mean_range: Array
-    worst: Array
-    worst_range: Array
-    n: int
+    values: what is judged, shape (worlds, schemes, records).
+    weights: World -> its weight.
+    """
+    import pandas as pd
 
-
-def _find_regret(values: Array, weights: Array, criterion: Criterion) -> _Found:
-    """Compute the regrets of one cell from what is judged, shape (worlds, schemes, records)."""
-    worlds, schemes, _ = values.shape
+    count, each_world = len(schemes), np.array([*weights.values()])
+    names, worlds = np.array(schemes, dtype=object), np.array([*weights], dtype=object)
     finite = np.isfinite(values)
     takes_part = finite.any(axis=-1, keepdims=True)
-    common = np.logical_and.reduce(finite | ~takes_part, axis=(0, 1))
-    shared = values[..., common]
+    shared = values[..., (finite | ~takes_part).all(axis=(0, 1))]
     n = shared.shape[-1]
     drawn = [resample_means(of_world.T, DRAWS) for of_world in shared]
-    draws = criterion.express(np.stack(drawn, axis=1))
-    error = criterion.express(shared.mean(axis=-1)) if n else np.full((worlds, schemes), np.nan)
-    regret, regrets = _divide(error), _divide(draws)
-    mean, worst = np.tensordot(weights, regret, 1), regret.max(axis=0)
-    means = np.einsum("w,dws->ds", weights, regrets)
-    worsts = regrets.max(axis=1)
-    return _Found(
-        error, regret, _find_ranges(regrets), mean, _find_ranges(means), worst,
-        _find_ranges(worsts), n,
-    )  # fmt: skip
+    error = criterion.express(shared.mean(axis=-1)) if n else np.full(values.shape[:2], np.nan)
+    regret, regrets = _divide(error), _divide(criterion.express(np.stack(drawn, axis=1)))
+    known = np.where(np.isfinite(error), error, np.inf)
+    low, high = _find_ranges(regrets)
+    of_worlds = pd.DataFrame({
+        "world": np.repeat(worlds, count),
+        "weight": np.repeat(each_world, count),
+        "scheme": np.tile(names, len(worlds)),
+        "error": error.ravel(),
+        "least": np.repeat(known.min(axis=1), count),
+        "best": np.repeat(names[known.argmin(axis=1)], count),
+        "regret": regret.ravel(),
+        "low": low.ravel(),
+        "high": high.ravel(),
+        "n": n,
+    })  # fmt: skip
+    mean, worst = np.tensordot(each_world, regret, 1), regret.max(axis=0)
+    mean_low, mean_high = _find_ranges(np.einsum("w,dws->ds", each_world, regrets))
+    worst_low, worst_high = _find_ranges(regrets.max(axis=1))
+    there = np.isfinite(worst)
+    least_mean, least_worst = (
+        np.arange(count) == np.where(there, each, np.inf).argmin() for each in (mean, worst)
+    )
+    over_worlds = pd.DataFrame({
+        "scheme": names,
+        "mean": mean,
+        "mean_low": mean_low,
+        "mean_high": mean_high,
+        "worst": worst,
+        "worst_low": worst_low,
+        "worst_high": worst_high,
+        "worst_world": worlds[np.where(np.isfinite(regret), regret, -np.inf).argmax(axis=0)],
+        "least_mean": least_mean,
+        "least_worst": least_worst,
+        "n": n,
+    })  # fmt: skip
+    return of_worlds[np.isfinite(of_worlds["error"])], over_worlds[there]
 
 
 def _divide(error: Array) -> Array:
@@ -144,65 +166,6 @@ def _find_ranges(draws: Array) -> Array:
         percentile_interval(each) if np.isfinite(each).all() else (np.nan, np.nan) for each in flat
     ]
     return np.array(ends).T.reshape(2, *draws.shape[1:])
-
-
-def _list_worlds(
-    labels: Mapping[str, object],
-    found: _Found,
-    worlds: Sequence[str],
-    weights: Sequence[float],
-    schemes: Sequence[str],
-) -> pd.DataFrame:
-    import pandas as pd
-
-    count = len(schemes)
-    filled = np.where(np.isfinite(found.error), found.error, np.inf)
-    best, least = filled.argmin(axis=1), filled.min(axis=1)
-    table = pd.DataFrame({
-        **labels,
-        "world": np.repeat(np.array(worlds, dtype=object), count),
-        "weight": np.repeat(weights, count),
-        "scheme": np.tile(np.array(schemes, dtype=object), len(worlds)),
-        "error": found.error.ravel(),
-        "least": np.repeat(least, count),
-        "best": np.repeat(np.array(schemes, dtype=object)[best], count),
-        "regret": found.regret.ravel(),
-        "low": found.range[0].ravel(),
-        "high": found.range[1].ravel(),
-        "n": found.n,
-    })  # fmt: skip
-    return table.loc[np.isfinite(found.error.ravel())]
-
-
-def _list_schemes(
-    labels: Mapping[str, object], found: _Found, worlds: Sequence[str], schemes: Sequence[str]
-) -> pd.DataFrame:
-    import pandas as pd
-
-    there = np.isfinite(found.worst)
-    if not there.any():
-        return pd.DataFrame()
-    least_mean, least_worst = (
-        np.arange(len(schemes)) == np.where(there, each, np.inf).argmin()
-        for each in (found.mean, found.worst)
-    )
-    table = pd.DataFrame({
-        **labels,
-        "scheme": np.array(schemes, dtype=object),
-        "mean": found.mean,
-        "mean_low": found.mean_range[0],
-        "mean_high": found.mean_range[1],
-        "worst": found.worst,
-        "worst_low": found.worst_range[0],
-        "worst_high": found.worst_range[1],
-        "worst_world": np.array(worlds, dtype=object)[
-            np.where(np.isfinite(found.regret), found.regret, -np.inf).argmax(axis=0)
-        ],
-        "least_mean": least_mean,
-        "least_worst": least_worst,
-        "n": found.n,
-    })  # fmt: skip
-    return table.loc[there]
 
 
 def tell_regret(tables: Mapping[str, pd.DataFrame]) -> list[str]:

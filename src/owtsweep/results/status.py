@@ -49,16 +49,3 @@ def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.Da
     keys = ["scheme", *(condition.name for condition in conditions)]
     cells = pd.MultiIndex.from_frame(rows[keys])
     return rows[~cells.isin(cells[unable.to_numpy()])]
-
-
-def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
-    """Add to a summary the columns `status` and `reason`, and a line for each line of `unable`.
-
-    `unable` is from `list_unable`. In the added lines the measure is "" and the mean is missing.
-    The result is not sorted.
-    """
-    import pandas as pd
-
-    marked = table.assign(status=OK, reason="")
-    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=marked.columns)
-    return pd.concat([marked, lines]) if len(marked) else lines

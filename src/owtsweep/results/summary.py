@@ -9,7 +9,7 @@ import pandas as pd
 
 from owtsweep.results.conditions import order_values, sort_lines
 from owtsweep.results.cube import Cube, join_lines
-from owtsweep.results.status import tell_in_summary
+from owtsweep.results.status import OK, UNABLE
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 
 __all__ = ["summarise"]
@@ -50,4 +50,7 @@ def summarise(cube: Cube, *, shared: bool = False) -> pd.DataFrame:
     order: dict[str, Sequence[object]] = {"scheme": cube.schemes}
     for name, levels in zip(cube.names, cube.levels, strict=True):
         order[name] = order_values([*levels, *cube.unable[name]], levels)
-    return sort_lines(tell_in_summary(whole, cube.unable), order)
+    whole = whole.assign(status=OK, reason="")
+    lines = cube.unable.assign(measure="", window="", n=0, status=UNABLE)
+    lines = lines.reindex(columns=whole.columns)
+    return sort_lines(pd.concat([whole, lines]) if len(whole) else lines, order)

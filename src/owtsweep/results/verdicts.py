@@ -21,7 +21,7 @@ from owtsweep.results.conditions import Value
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import UNABLE
-from owtsweep.statistics.contest import Flags, agree
+from owtsweep.statistics.contest import agree
 from owtsweep.statistics.deciding import (
     ENOUGH,
     LOOKS,
@@ -118,41 +118,26 @@ def _find_run(cube: Cube, rows: pd.DataFrame) -> NDArray[np.bool_]:
     """
     import pandas as pd
 
-    names = cube.names
+    names, axes = ["scheme", *cube.names], [cube.schemes, *cube.levels]
     rows = rows[rows["scheme"].isin(list(cube.schemes)) & rows["replicate"].notna()]
-    records = int(rows["replicate"].max()) + 1 if len(rows) else 0
-    lengths = [len(levels) for levels in cube.levels]
-    run = np.zeros((len(cube.schemes), *lengths, records), dtype=bool)
-    if not len(rows):
-        return run
-    lines = rows[["scheme", *names, "replicate", "status"]].drop_duplicates()
-    labels = [("scheme", cube.schemes), *zip(names, cube.levels, strict=True)]
-    at = [
-        pd.Index(levels).get_indexer(
-            pd.Index(lines[name].astype(object if _is_text(levels) else float))
-        )
-        for name, levels in labels
+    lines = rows[[*names, "replicate", "status"]].drop_duplicates()
+    records = int(lines["replicate"].max()) + 1 if len(lines) else 0
+    run = np.zeros((*map(len, axes), records), dtype=bool)
+    *outer, last = [
+        pd.Index(axis).get_indexer(lines[name].to_numpy())
+        for name, axis in zip(names, axes, strict=True)
     ]
-    at.append(lines["replicate"].to_numpy(int))
-    everywhere = lines[names[-1]].isna().to_numpy()
-    known = np.all([index >= 0 for index in at[:-2]], axis=0)
+    known = np.all([index >= 0 for index in outer], axis=0)
+    everywhere = known & lines[names[-1]].isna().to_numpy()
     unable = (lines["status"] == UNABLE).to_numpy()
-    one, every = known & (at[-2] >= 0), known & everywhere
-    run[_pick(at, one & ~unable)] = True
-    record = at[-1][every & ~unable]
-    run[(*_pick(at[:-2], every & ~unable), slice(None), record)] = True
-    # last, because it takes back what other records say
-    run[_pick(at[:-1], one & unable)] = False
-    run[_pick(at[:-2], every & unable)] = False
+    record = lines["replicate"].to_numpy(int)
+    for ran in (True, False):  # False last, because it takes back what other records say
+        for here, at_one in ((everywhere, False), (known & (last >= 0), True)):
+            chosen = here & (unable != ran)
+            place = [index[chosen] for index in outer]
+            levels = last[chosen] if at_one else slice(None)
+            run[(*place, levels, record[chosen] if ran else slice(None))] = ran
     return run
-
-
-def _pick(at: Sequence[NDArray[np.intp]], chosen: Flags) -> tuple[NDArray[np.intp], ...]:
-    return tuple(index[chosen] for index in at)
-
-
-def _is_text(levels: Sequence[Value]) -> bool:
-    return bool(levels) and isinstance(levels[0], str)
 
 
 def find_open(cube: Cube, rows: pd.DataFrame, asked: Asked) -> tuple[int, list[Cell]]:
@@ -213,8 +198,8 @@ def _describe(
     seen = cell.values[:, :n]
     mean, error, _ = (float(part) for part in mean_and_error(seen[best]))
     half = float(t_quantile(n - 1)) * error
-    compared = {i: _compare(seen[i], seen[best]) for i in range(len(seen)) if i != best}
-    others = {i: mean + pair.difference * _scale(mean, pair) for i, pair in compared.items()}
+    compared = {i: _compare(seen[i], seen[best], mean) for i in range(len(seen)) if i != best}
+    others = {i: mean + difference for i, (difference, _, _) in compared.items()}
     apart = [
         i for i in others if np.isfinite(others[i]) and not agree(seen[i], seen[best])[:n].all()
     ]
@@ -230,8 +215,7 @@ def _describe(
         known = [name for name in among if np.isfinite(means[name])]
         return min(known, key=means.__getitem__, default="")
 
-    pair = compared.get(second, _Pair(np.nan, np.nan, np.nan))
-    scale = _scale(mean, pair)
+    difference, low, high = compared.get(second, (np.nan, np.nan, np.nan))
     line: dict[str, object] = {
         "verdict": decision.verdict,
         "best": cell.names[best],
@@ -247,9 +231,9 @@ def _describe(
         "mse_best": mean,
         "mse_runner_up": others.get(second, np.nan),
         "distinguishable": decision.verdict == "won",
-        "difference": pair.difference * scale,
-        "ci_low": (pair.difference - pair.half) * scale,
-        "ci_high": (pair.difference + pair.half) * scale,
+        "difference": difference,
+        "ci_low": low,
+        "ci_high": high,
     }
     if baselines:
         name = choose([name for name in cell.names if name in baselines])
@@ -283,30 +267,21 @@ def _estimate_more(cell: Cell, decision: Decision, rule: Rule, cells: int) -> fl
     return max(float(np.ceil(max(needed) - n)), 1.0)
 
 
-class _Pair(NamedTuple):
-    """A contender beside the best, over the records that both have.
+def _compare(values: Array, best: Array, mean: float) -> tuple[float, float, float]:
+    """Compare a contender with the best over the records that both have.
 
-    difference, half: Mean of contender minus best, and half of its 95 % interval.
-    of_best: Mean of the best over these records.
+    Return the mean difference and the ends of its 95 % interval, scaled to `mean`, the best one's
+    over all records. NaN if they have no record in common.
     """
-
-    difference: float
-    half: float
-    of_best: float
-
-
-def _compare(values: Array, best: Array) -> _Pair:
     both = np.isfinite(values) & np.isfinite(best)
     if not both.any():
-        return _Pair(np.nan, np.nan, np.nan)
+        return np.nan, np.nan, np.nan
     difference, error, n = mean_and_error((values - best)[both])
-    half = float(t_quantile(n - 1)) * float(error)
-    return _Pair(float(difference), half, float(ordered_sum(best[both])) / int(n))
-
-
-def _scale(mean: float, pair: _Pair) -> float:
-    """Return the best one's mean over all records, divided by that over the pair's."""
-    return mean / pair.of_best if pair.of_best != 0.0 else 1.0
+    half = t_quantile(n - 1) * error
+    of_best = ordered_sum(best[both]) / n
+    scale = mean / of_best if of_best != 0.0 else 1.0
+    ends = (difference - half) * scale, (difference + half) * scale
+    return float(difference * scale), float(ends[0]), float(ends[1])
 
 
 def count_cells(grid: Mapping[str, Sequence[Value]]) -> int:
@@ -322,36 +297,32 @@ def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd
     best: the table best_scheme of `find_best_schemes`.
     summary: the table summary with the exact means.
     """
+    import pandas as pd
+
     keys = [name for name in best.columns if name in summary.columns and name not in _OTHERS]
-    lines = summary[summary["measure"].isin(list(asked.criteria))].copy()
-    named = lines["measure"].map(asked.criteria)
-    squares = (named.map(lambda criterion: criterion.values) == "square").to_numpy()
-    lines["error"] = np.where(squares, np.sqrt(lines["mean"].clip(lower=0.0)), lines["mean"])
-    groups = [*keys, "measure"]
-    least = lines.groupby(groups)["error"].transform("min")
-    floor = named.map(lambda criterion: criterion.floor).astype(float)
-    within = lines["error"] <= least + np.maximum(asked.margin * least, floor)
-    lines = lines[within].assign(
-        simple=lines["scheme"].map({name: n for n, name in enumerate(asked.contenders)}),
-        level=(lines["error"] / least).round(9),
-    )
-    lines = lines.sort_values("simple", kind="stable")
-    found = lines.groupby(groups, as_index=False).agg(
-        simplest=("scheme", "first"),
-        error=("error", "first"),
-        left=("scheme", SEPARATOR.join),
-        levels=("level", "nunique"),
-    )
-    table = best.merge(found, how="left", left_on=[*keys, "criterion"], right_on=groups)
-    known, tied = table["levels"].notna(), table["levels"] > 1
+    judged = summary[summary["measure"].isin(list(asked.criteria))]
+    means = judged.pivot(index=[*keys, "measure"], columns="scheme", values="mean")
+    cells = pd.MultiIndex.from_frame(best[[*keys, "criterion"]])
+    values = means.reindex(index=cells, columns=list(asked.contenders)).to_numpy(float)
+    criteria = [asked.criteria[name] for name in best["criterion"]]
+    squares = np.array([[each.values == "square"] for each in criteria])
+    floor = np.array([[each.floor] for each in criteria])
+    errors = np.where(squares, np.sqrt(np.maximum(values, 0.0)), values)
+    least = np.where(np.isfinite(errors), errors, np.inf).min(axis=1, keepdims=True)
+    within = errors <= least + np.maximum(asked.margin * least, floor)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        tied = (within & (np.round(errors / least, 9) > 1.0)).any(axis=1)
+    known, simplest = within.any(axis=1), within.argmax(axis=1)
+    names = np.array(asked.contenders, dtype=object)
+    table = best.assign(left=[SEPARATOR.join(names[chosen]) for chosen in within])
     table["verdict"] = np.where(tied, "tie", np.where(known, "won", table["verdict"]))
-    moved = known & (table["simplest"] != table["best"])
+    table["distinguishable"] = table["verdict"] == "won"
+    moved = known & (names[simplest] != table["best"])
     for column, value in (
         ("runner_up", table["best"].where(tied, table["runner_up"])),
         ("error_runner_up", table["error_best"].where(tied, table["error_runner_up"])),
-        ("error_best", table["error"]),
-        ("best", table["simplest"]),
+        ("error_best", errors[np.arange(len(errors)), simplest]),
+        ("best", names[simplest]),
     ):
         table.loc[moved, column] = value[moved]
-    table["distinguishable"] = table["verdict"] == "won"
-    return table[[*best.columns, "left"]]
+    return table
