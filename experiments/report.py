@@ -47,7 +47,6 @@ def write_paper(
         judged,
         title=texts["title"],
         about=texts["about"].format(**values),
-        metadata=texts["metadata"],
         tables=tables,
         middle=[Heading(texts["heading"]), Paragraph(texts["paragraph"]), shown],
         end=end,

@@ -28,7 +28,9 @@ from experiments.ren2019.histories import MOST_REPLICATES, measure_histories
 from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import X_ALONE, fidelity_table
 from owtsweep.errors import InputError
+from owtsweep.figures.drawings import draw_each, save_figure
 from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.io.tables import write_table
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_in_a_line
@@ -86,18 +88,18 @@ def write_report(run: Run, folder: Path) -> list[Path]:
         "consistency": judge_consistency(evidence),
     }
     amplitudes = config.grid.amplitude
-    return report.write_report(
-        folder,
-        title=f"Fidelity of {name}",
-        tables=tables,
-        figures={
-            "published_against_reproduced": partial(plots.scatter, numbers),
-            "ratios": partial(plots.ratios, numbers),
-            "boundaries": lambda: plots.draw_boundaries(evidence.boundaries, amplitudes),
-        },
-        contents=partial(document, name, config, evidence, tables, judged, along_x, CLAIMS.note),
-        metadata=run.metadata(),
-    )
+    figures = {
+        "published_against_reproduced": partial(plots.scatter, numbers),
+        "ratios": partial(plots.ratios, numbers),
+        "boundaries": lambda: plots.draw_boundaries(evidence.boundaries, amplitudes),
+    }
+    drawings = {stem: save_figure(draw, run.metadata()) for stem, draw in figures.items()}
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [write_table(folder, stem, table) for stem, table in tables.items()]
+    drawn = draw_each(drawings, folder / "figures", None)
+    pictures = {path.stem: path for path in drawn if path.suffix == ".png"}
+    blocks = document(name, config, evidence, tables, judged, along_x, CLAIMS.note, pictures)
+    return [*files, *drawn, *report.write_page(folder, f"Fidelity of {name}", blocks)]
 
 
 def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | None) -> list[Path]:
@@ -118,7 +120,6 @@ def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | Non
         [ScoreTable(histories)],
         title=f"What run {name} says about the time histories of Ren et al. (2019)",
         about=about,
-        metadata=run.metadata(),
     )
 
 

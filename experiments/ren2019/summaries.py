@@ -25,6 +25,7 @@ from owtsweep.verdicts.inference import (
     JudgedClaim,
     JudgedStatement,
     all_of,
+    explain,
     mean_ratio,
 )
 
@@ -98,10 +99,12 @@ def statement_row(judged: JudgedStatement) -> Item:
     with a threshold. The row's numbers are those of the decision that settles the verdict:
     `published` is the threshold, `reproduced` is the run's value.
     """
-    worst = judged.settling.deciding
+    settling = [claim for claim in judged.claims if claim.verdict == judged.verdict]
+    worst = min((claim.deciding for claim in settling), key=lambda decision: decision.t)
+    why = "; ".join(f"{claim.text}: {explain(claim)}" for claim in judged.claims)
     return Item(
         judged.name, "statement", worst.threshold, worst.value, worst.low, worst.high,
-        agrees=judged.verdict, why=judged.why,
+        agrees=judged.verdict, why=why,
     )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from experiments.ren2019.evidence import SCHEMES, Evidence
 from experiments.ren2019.fidelity import judge_all, judge_along_x
 from experiments.ren2019.numbers import compare_numbers, lies_within_records
 from experiments.ren2019.sections import number_table
-from experiments.ren2019.summaries import fidelity_table
+from experiments.ren2019.summaries import fidelity_table, statement_row
 from owtsweep.figures import style
 from owtsweep.verdicts.inference import REPRODUCED
 
@@ -126,8 +126,8 @@ def test_without_a_boundary_the_cells_decide():
     assert np.isnan(table.loc["boundary 4 s", "reproduced"])
     assert table.loc["boundary 4 s", "agrees"] == "no"
     assert "HME1 is better at every amplitude" in table.loc["boundary 4 s", "why"]
-    why = {statement.name: statement.why for statement in judge_all([evidence.scores])}["F3"]
-    assert "nan" not in why
+    judged = {statement.name: statement for statement in judge_all([evidence.scores])}
+    assert "nan" not in statement_row(judged["F3"]).why
 
 
 def test_schemes_that_coincide_are_no_rivals():

@@ -24,7 +24,7 @@ from experiments.ren2019.fidelity import CLAIMS, judge_all, judge_along_x
 from experiments.ren2019.histories import COLUMNS
 from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.published import BOUNDARIES
-from experiments.ren2019.summaries import fidelity_table
+from experiments.ren2019.summaries import fidelity_table, statement_row
 from owtsweep.verdicts.inference import (
     MISSING,
     NOT_REPRODUCED,
@@ -178,7 +178,7 @@ def test_f1_to_f5_are_judged_in_x_alone_too():
 def test_a_definition_is_printed_with_each_statement():
     for statement in judge_all([world(EQUAL, periods=[4.0]).scores]):
         assert len(statement.definition) > 60
-        assert "\n" not in statement.why
+        assert "\n" not in statement_row(statement).why
 
 
 def test_boundaries_are_claimed_within_what_is_tolerated():

@@ -5,41 +5,31 @@ from __future__ import annotations
 import pandas as pd
 
 from owtsweep.figures import style
+from owtsweep.figures.drawings import save_figure
 from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
-from owtsweep.verdicts.report import count_verdicts, write_report, write_verdicts
+from owtsweep.verdicts.report import count_verdicts, write_page, write_verdicts
 from owtsweep.verdicts.score_table import ScoreTable
 
 
-def contents(pictures):
-    return [
+def test_a_page_is_written_as_markdown_and_as_html(tmp_path):
+    picture, _ = save_figure(lambda: style.new_figure(2.0, 1.0), {"run": "3f2a"})(
+        tmp_path / "figures", "empty"
+    )
+    blocks = [
         Heading("A run & a paper", 1),
         Paragraph("It <agrees>."),
         Bullets(["one", "two"]),
         TextTable(["item", "value"], [["a|b", "1.5"], ["verdict", "reproduced"]], ["value"]),
-        Picture(pictures["empty"], "Nothing."),
+        Picture(picture, "Nothing."),
     ]
-
-
-def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
-    files = write_report(
-        tmp_path / "judged",
-        title="A title",
-        tables={"numbers": pd.DataFrame({"value": [0.1]})},
-        figures={"empty": lambda: style.new_figure(2.0, 1.0)},
-        contents=contents,
-        metadata={"run": "3f2a"},
-    )
-    names = [path.relative_to(tmp_path / "judged").as_posix() for path in files]
-    assert names == [
-        "numbers.csv", "figures/empty.png", "figures/empty.svg", "fidelity.md",
-        "fidelity.html",
-    ]  # fmt: skip
-    markdown = files[3].read_text(encoding="utf-8")
+    files = write_page(tmp_path, "A title", blocks)
+    assert [path.name for path in files] == ["fidelity.md", "fidelity.html"]
+    markdown = files[0].read_text(encoding="utf-8")
     assert markdown.startswith("# A run & a paper\n\nIt &lt;agrees>.\n\n- one\n- two\n\n")
     assert "| item | value |\n| --- | ---: |\n| a\\|b | 1.5 |" in markdown
     assert markdown.endswith("![Nothing.](figures/empty.png)\n")
-    html = files[4].read_text(encoding="utf-8")
+    html = files[1].read_text(encoding="utf-8")
     assert "<h1>A run &amp; a paper</h1>" in html
     assert '<td class="number good">reproduced</td>' in html
     assert 'src="data:image/png;base64,' in html
@@ -60,7 +50,7 @@ def test_the_page_counts_verdicts_and_shows_statements_and_goals(tmp_path):
     scores = ScoreTable(pd.DataFrame(rows, columns=["scenario", "replicate", "value"]))
     write_verdicts(
         tmp_path / "page", read_claims(path), [scores], title="A paper", about="Two records.",
-        metadata={}, middle=[Heading("Between")], end=[Heading("Last")],
+        middle=[Heading("Between")], end=[Heading("Last")],
     )  # fmt: skip
     page = (tmp_path / "page" / "fidelity.md").read_text(encoding="utf-8")
     assert "- Statements F1-F1: 1 missing.\n- Goals G1-G1: 1 not reproduced." in page

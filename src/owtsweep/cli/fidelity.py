@@ -65,7 +65,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
                 [scores],
                 title=f"How well run {opened.metadata()['folder']} reproduces {paper}",
                 about=f"{about}Brackets are 95 % intervals over the records.",
-                metadata=opened.metadata(),
             )
         if beyond:
             print(f"not judged by the rows of a run: {', '.join(beyond)}; {rest} judges them")

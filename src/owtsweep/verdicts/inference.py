@@ -75,12 +75,16 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     difference = a - threshold * b
     error = float(np.std(difference, ddof=1) / np.sqrt(n))
     distance = float(np.mean(difference)) * (1.0 if side == "above" else -1.0)
-    t = 0.0
-    if error > 0.0 or distance != 0.0:
-        t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
+    t = count_errors(distance, error)
     low, high = fieller(a, b, float(t_quantile(n - 1)))
     p = float(p_value(distance, error, n - 1))
     return Decision(label, ratio, low, high, threshold, side, t, p)
+
+
+def count_errors(distance: float, error: float) -> float:
+    """Return a distance in standard errors: infinite without an error, 0 if it is not known."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(np.nan_to_num(np.divide(distance, error), posinf=np.inf, neginf=-np.inf))
 
 
 @dataclass(frozen=True)
@@ -178,17 +182,6 @@ class JudgedStatement:
     def verdict(self) -> str:
         """The worst verdict of the statement's claims (`all_of`)."""
         return all_of(self.claims)
-
-    @property
-    def settling(self) -> JudgedClaim:
-        """The claim that the data support least, among claims with the statement's verdict."""
-        chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
-        return min(chosen, key=lambda claim: claim.deciding.t)
-
-    @property
-    def why(self) -> str:
-        """The verdicts of all claims and the numbers that decide them, in one line."""
-        return "; ".join(f"{claim.text}: {explain(claim)}" for claim in self.claims)
 
 
 def explain(claim: JudgedClaim) -> str:

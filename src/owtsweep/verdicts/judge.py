@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise, product
@@ -16,6 +16,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, find_least
 from owtsweep.statistics.contrasts import gap
+from owtsweep.statistics.inference import mean_and_error
 from owtsweep.verdicts.claims_file import ClaimsFile, Part, StatedClaim, Statement
 from owtsweep.verdicts.inference import (
     Decision,
@@ -23,6 +24,7 @@ from owtsweep.verdicts.inference import (
     JudgedClaim,
     JudgedStatement,
     Side,
+    count_errors,
     mean_ratio,
 )
 from owtsweep.verdicts.score_table import Cell, ScoreTable, Value
@@ -131,14 +133,14 @@ class Task:
 
     def tell(self, cell: Cell, other: Cell | None = None) -> str:
         """Tell a cell, or a pair of cells, in words."""
-        one, two = self._tell(cell), self._tell(cell if other is None else other)
-        if one != two:
-            return f"{one} / {two}"
-        apart = [] if other is None else [name for name in cell if cell[name] != other[name]]
-        if other is None or not apart:
+        one = self._tell(cell)
+        if other is None:
             return one
+        if one != (two := self._tell(other)):
+            return f"{one} / {two}"
+        apart = [name for name in cell if cell[name] != other[name]]
         sides = [" ".join(self._show(side[name]) for name in apart) for side in (cell, other)]
-        return f"{one}: {sides[0]} / {sides[1]}"
+        return f"{one}: {sides[0]} / {sides[1]}" if apart else one
 
     def _tell(self, cell: Cell) -> str:
         shown = {name: self._show(value) for name, value in cell.items()}
@@ -151,30 +153,26 @@ class Task:
         text = f"{value:g}" if isinstance(value, float) else text
         return self.words.get(text, text)
 
-    def ratio(self, name: str, a: Array, b: Array) -> Decision:
-        """Decide on the ratio of two means."""
-        return mean_ratio(name, a, b, self.part.bound, self.part.side)
+    def compare_means(self, name: str, found: Sequence[Array] | None) -> Compared:
+        """Decide on the ratio of two means; None where the scores lack them."""
+        if found is None:
+            return name, None
+        one, other = found
+        return name, mean_ratio(name, one, other, self.part.bound, self.part.side)
 
 
-def _bound(task: Task) -> list[Compared]:
-    places = ((task.tell(cell), task.table.find([cell])) for cell in task.cells)
-    return _decide_all(task, places, lambda values: values)
-
-
-def _compare_pairs(task: Task, combine: Callable[[Array, Array], Array]) -> list[Compared]:
-    pairs = task.pair(task.cells)
-    places = ((task.tell(*pair), task.table.find(pair)) for pair in pairs)
-    return _decide_all(task, places, combine)
-
-
-def _decide_all(
-    task: Task, places: Iterator[tuple[str, list[Array] | None]], combine: Callable[..., Array]
+def _compare_records(
+    task: Task, groups: Iterable[Sequence[Cell]], combine: Callable[..., Array]
 ) -> list[Compared]:
-    """Decide on the mean of one value per record at each place; None without finite values."""
+    """Decide on the mean of one value per record, made of those of the cells of each group.
+
+    None where a value is not finite.
+    """
     part = task.part
     signed = combine is np.subtract and part.of == ("identity",)
     found: list[Compared] = []
-    for name, samples in places:
+    for cells in groups:
+        name, samples = task.tell(*cells), task.table.find(cells)
         with np.errstate(divide="ignore", invalid="ignore"):
             values = None if samples is None else task.transform(combine(*samples))
         if values is None or not np.all(np.isfinite(values)):
@@ -194,41 +192,34 @@ def _decide_all(
 
 
 def _test_mean(name: str, values: Array, bound: float, side: Side) -> Decision:
-    found = gap(values - bound)
-    mean, error = float(found.value), np.inf
-    if len(values) > 1:
-        error = float(np.std(values - bound, ddof=1) / np.sqrt(len(values)))
-    with np.errstate(divide="ignore", invalid="ignore"):  # equal values have no error
-        t = float(np.nan_to_num(np.divide(mean, error), posinf=np.inf, neginf=-np.inf))
-    low, high = float(found.low) + bound, float(found.high) + bound
+    found, (_, error, _) = gap(values - bound), mean_and_error(values - bound)
     sign = 1.0 if side == "above" else -1.0
-    return Decision(name, mean + bound, low, high, bound, side, sign * t, float(found.p))
+    t = count_errors(sign * float(found.value), float(error))
+    value, low, high = (float(each) + bound for each in found[:3])
+    return Decision(name, value, low, high, bound, side, t, float(found.p))
 
 
 def _ratio_of_means(task: Task) -> Iterator[Compared]:
-    for cell, other in task.pair(task.cells):
-        found = task.table.find([cell, other])
-        name = task.tell(cell, other if found else None)
-        yield name, None if found is None else task.ratio(name, *found)
+    for pair in task.pair(task.cells):
+        found = task.table.find(pair)
+        yield task.compare_means(task.tell(*(pair if found else pair[:1])), found)
 
 
 def _monotone(task: Task) -> Iterator[Compared]:
     for group in task.group():
         for before, cell in pairwise(group):
-            name, found = task.tell(cell, before), task.table.find([cell, before])
-            yield name, None if found is None else task.ratio(name, *found)
+            yield task.compare_means(task.tell(cell, before), task.table.find([cell, before]))
 
 
 def _against_best(task: Task) -> Iterator[Compared]:
     for cell in task.cells:
-        others = [other for _, other in task.pair([cell])]
-        found = task.table.find([cell, *others])
+        cells = [cell, *(other for _, other in task.pair([cell]))]
+        found = task.table.find(cells)
         best = None if found is None else find_best(found, other_than=0)
         if found is None or best is None:
             yield task.tell(cell), None
         else:
-            name = task.tell(cell, others[best - 1])
-            yield name, task.ratio(name, found[0], found[best])
+            yield task.compare_means(task.tell(cell, cells[best]), [found[0], found[best]])
 
 
 def _nearly_equal(task: Task) -> Iterator[Compared]:
@@ -238,8 +229,9 @@ def _nearly_equal(task: Task) -> Iterator[Compared]:
             yield task.tell(group[0]), None
             continue
         order = sorted(range(len(group)), key=lambda i: float(np.mean(found[i])))
-        name = task.tell(group[order[0]], group[order[-1]])
-        yield name, task.ratio(name, found[order[0]], found[order[-1]])
+        ends = order[0], order[-1]
+        name = task.tell(*(group[i] for i in ends))
+        yield task.compare_means(name, [found[i] for i in ends])
 
 
 def _compare_boundaries(task: Task, *, grows: bool) -> Iterator[Compared]:
@@ -251,15 +243,14 @@ def _compare_boundaries(task: Task, *, grows: bool) -> Iterator[Compared]:
     for cell, other in task.pair(task.table.list_cells(task.part.select, free=[last])):
         schemes, measure = (str(cell["scheme"]), str(other["scheme"])), str(cell["measure"])
         here, there = (tuple(side[name] for name in outer) for side in (cell, other))
-        name = f"boundary at {run.tell(here)}"
         found: Estimate | None
         if grows:
-            name += f" over that at {run.tell(there)}"
             found = run.divide((here, there), schemes, measure)
         else:
             found = run.find_boundaries(schemes, measure).get(here)
-        part = task.part
-        yield name, None if found is None else found.against(part.bound, part.side)
+        over = f" over that at {run.tell(there)}" if grows else ""
+        decision = None if found is None else found.against(task.part.bound, task.part.side)
+        yield f"boundary at {run.tell(here)}{over}", decision
 
 
 def find_best(values: Sequence[Array], *, other_than: int | None = None) -> int | None:
@@ -277,10 +268,10 @@ def find_best(values: Sequence[Array], *, other_than: int | None = None) -> int 
 
 
 KINDS: dict[str, Callable[[Task], Sequence[Compared] | Iterator[Compared]]] = {
-    "bound": _bound,
-    "ratio": partial(_compare_pairs, combine=np.divide),
-    "spread": partial(_compare_pairs, combine=np.divide),
-    "difference": partial(_compare_pairs, combine=np.subtract),
+    "bound": lambda task: _compare_records(task, [[cell] for cell in task.cells], np.asarray),
+    "ratio": lambda task: _compare_records(task, task.pair(task.cells), np.divide),
+    "spread": lambda task: _compare_records(task, task.pair(task.cells), np.divide),
+    "difference": lambda task: _compare_records(task, task.pair(task.cells), np.subtract),
     "ratio_of_means": _ratio_of_means, "against_best": _against_best,
     "nearly_equal": _nearly_equal, "monotone": _monotone,
     "boundary": partial(_compare_boundaries, grows=False),

@@ -1,4 +1,4 @@
-"""Write the files of a report on published results: tables, figures, Markdown and HTML pages.
+"""Write the files of a report on published results: tables, Markdown and HTML pages.
 
 Some sections of the page are the same for every study.
 """
@@ -6,15 +6,12 @@ Some sections of the page are the same for every study.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from owtsweep.figures.drawings import save_figure
 from owtsweep.io.files import write_all
-from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.verdicts.claims_file import ClaimsFile
 from owtsweep.verdicts.inference import (
@@ -38,40 +35,12 @@ from owtsweep.verdicts.page import (
 )
 from owtsweep.verdicts.score_table import ScoreTable
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-def write_report(
-    folder: Path,
-    *,
-    title: str,
-    tables: Mapping[str, pd.DataFrame],
-    figures: Mapping[str, Callable[[], Figure]],
-    contents: Callable[[Mapping[str, Path]], Sequence[Block]],
-    metadata: Mapping[str, str],
-) -> list[Path]:
-    """Write all files of the report that compares a run with published results; return them.
-
-    folder: Made if it does not exist. The tables, fidelity.md and fidelity.html go into this
-        folder, the figures into its subfolder `figures`.
-    tables, figures: File name without suffix -> table, or function that draws the figure.
-    contents: Makes the page's headings, paragraphs, tables and pictures, from the name of each
-        figure and its PNG file.
-    metadata: Name -> text to store inside each file of a figure.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    files = [write_table(folder, stem, table) for stem, table in tables.items()]
-    pictures = {}
-    for number, (stem, draw) in enumerate(figures.items(), 1):
-        tell_step(f"figure {number} of {len(figures)}: {stem}")
-        saved = save_figure(draw, metadata)(folder / "figures", stem)
-        pictures[stem] = saved[0]
-        files += saved
-    blocks = contents(pictures)
+def write_page(folder: Path, title: str, blocks: Sequence[Block]) -> list[Path]:
+    """Write fidelity.md and fidelity.html into a folder, in which the pictures lie; return them."""
     markdown, html = folder / "fidelity.md", folder / "fidelity.html"
     write_all({markdown: to_markdown(blocks, folder), html: to_html(blocks, title)})
-    return [*files, markdown, html]
+    return [markdown, html]
 
 
 def write_verdicts(
@@ -81,37 +50,32 @@ def write_verdicts(
     *,
     title: str,
     about: str,
-    metadata: Mapping[str, str],
     tables: Mapping[str, pd.DataFrame] | None = None,
     middle: Sequence[Block] = (),
     end: Sequence[Block] = (),
 ) -> list[Path]:
     """Judge all statements and goals of a file; write fidelity_claims.csv and the page.
 
-    folder, title, metadata: as of `write_report`.
+    folder: Made if it does not exist.
     file, scores: the claims, and the tables of scores by which they are judged.
     about: What the scores are of, in sentences.
     tables: Further tables to write: file name without suffix -> table.
     middle, end: Further blocks of the page: between statements and goals, and at the end.
     """
     statements, goals = judge(file.statements, scores, file), judge(file.goals, scores, file)
-    claims = tabulate_claims([*statements, *goals])
-    return write_report(
-        folder,
-        title=title,
-        tables={**(tables or {}), "fidelity_claims": claims},
-        figures={},
-        contents=lambda _: [
-            Heading(title, 1),
-            Paragraph(about),
-            *short_section(statements, goals),
-            *statement_section(statements, file.note),
-            *middle,
-            *(goal_section(goals) if goals else []),
-            *end,
-        ],
-        metadata=metadata,
-    )
+    blocks = [
+        Heading(title, 1),
+        Paragraph(about),
+        *short_section(statements, goals),
+        *statement_section(statements, file.note),
+        *middle,
+        *(goal_section(goals) if goals else []),
+        *end,
+    ]
+    written = {**(tables or {}), "fidelity_claims": tabulate_claims([*statements, *goals])}
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [write_table(folder, name, table) for name, table in written.items()]
+    return files + write_page(folder, title, blocks)
 
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
