@@ -21,7 +21,7 @@ from experiments.command import read_words, write
 from experiments.ren2019.two_maps import draw_map
 from owtsweep.figures import style
 from owtsweep.figures.margin import add_legend, list_shades
-from owtsweep.results.boundary import find_boundary
+from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_in_a_line
 from owtsweep.studies.hub.listed import scheme_names
@@ -61,7 +61,8 @@ def tabulate(runs: Mapping[tuple[str, str], Run]) -> pd.DataFrame:
     for (motion, tuning), run in runs.items():
         best = run.best_scheme()
         cells = best.loc[(best["criterion"] == CRITERION) & (best["window"] == WINDOW)]
-        boundary = find_boundary(run.cases(), CONDITIONS, BOUNDARY, CRITERION, WINDOW)
+        difference = subtract_schemes(run.cases(), CONDITIONS, BOUNDARY, CRITERION, WINDOW)
+        boundary = find_boundary(difference, BOUNDARY)
         at = boundary.set_index("natural_period")["boundary"]
         cells = cells[list(COLUMNS)].assign(boundary=cells["natural_period"].map(at))
         cells.insert(0, "motion", motion)

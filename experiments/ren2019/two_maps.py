@@ -32,7 +32,7 @@ from owtsweep.figures.best_scheme_map import draw_cells
 from owtsweep.figures.margin import add_legend, list_shades
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding
-from owtsweep.results.boundary import find_boundary
+from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
@@ -151,9 +151,10 @@ def draw_map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
 def _find_boundaries(rows: pd.DataFrame, window: str) -> pd.DataFrame | None:
     """Find the boundary; None if a scheme is not in the run, or amplitudes were run one by one."""
     try:
-        return find_boundary(rows, CONDITIONS, BOUNDARY, CRITERION, window)
+        difference = subtract_schemes(rows, CONDITIONS, BOUNDARY, CRITERION, window)
     except InputError:
         return None
+    return find_boundary(difference, BOUNDARY)
 
 
 @dataclass(frozen=True)

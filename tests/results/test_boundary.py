@@ -16,16 +16,19 @@ PRODUCTS = ["motion", "cross", "noise"]
 
 
 def boundary(rows: pd.DataFrame, lower: str = "HME2", window: str = "full") -> pd.DataFrame:
-    return boundaries.find_boundary(rows, CONDITIONS, (lower, "HME1"), "position", window)
+    schemes = lower, "HME1"
+    difference = boundaries.subtract_schemes(rows, CONDITIONS, schemes, "position", window)
+    return boundaries.find_boundary(difference, schemes)
 
 
 def boundary_ratio(
     rows: pd.DataFrame, period_a: float, period_b: float
 ) -> tuple[float, float, float]:
-    cells = (period_a,), (period_b,)
-    return boundaries.find_boundary_ratio(
-        rows, CONDITIONS, cells, ("HME2", "HME1"), "position", "full"
-    )
+    schemes = "HME2", "HME1"
+    difference = boundaries.subtract_schemes(rows, CONDITIONS, schemes, "position", "full")
+    products = boundaries.split_cells(difference)
+    one, other = ((period,) for period in (period_a, period_b))
+    return boundaries.divide_crossings((one, products[one]), (other, products[other]))
 
 
 def run_rows(
@@ -179,10 +182,6 @@ def test_refusals() -> None:
         boundary(rows, window="settled")
     with pytest.raises(InputError, match=r"evaluation=superposed"):
         boundary(rows.assign(amplitude=1.0))
-    with pytest.raises(
-        InputError, match=r"^natural_period: no records at 5 s; the rows have 4, 8 s"
-    ):
-        boundary_ratio(rows, 4.0, 5.0)
 
 
 def test_a_boundary_over_other_conditions_or_over_none() -> None:
@@ -190,17 +189,17 @@ def test_a_boundary_over_other_conditions_or_over_none() -> None:
     soil, heading = Condition("soil", "soil"), Condition("heading", "heading", "deg")
     rows = run_rows(MEANS).rename(columns={"natural_period": "heading", "amplitude": "gain"})
     both = pd.concat([rows.assign(soil="clay"), rows.assign(soil="sand", noise=2.0 * rows.noise)])
-    told = ("HME2", "HME1"), "position", "full"
-    table = boundaries.find_boundary(both, (soil, heading, gain), *told)
+    schemes = "HME2", "HME1"
+    told = schemes, "position", "full"
+    difference = boundaries.subtract_schemes(both, (soil, heading, gain), *told)
+    table = boundaries.find_boundary(difference, schemes)
     assert list(table.columns[:2]) == ["soil", "heading"]
     cells = table[["soil", "heading"]].to_records(index=False).tolist()
     assert cells == [("clay", 4.0), ("clay", 8.0), ("sand", 4.0), ("sand", 8.0)]
     expected = boundary(run_rows(MEANS))["boundary"]
     np.testing.assert_array_equal(table["boundary"][:2], expected)
     assert (table["boundary"][2:].to_numpy() > expected.to_numpy()).all()
-    alone = boundaries.find_boundary(rows[rows.heading == 4.0], (gain,), *told)
+    difference = boundaries.subtract_schemes(rows[rows.heading == 4.0], (gain,), *told)
+    alone = boundaries.find_boundary(difference, schemes)
     assert list(alone.columns) == list(boundaries.COLUMNS)
     assert alone["boundary"][0] == pytest.approx(expected[0], rel=1e-12)
-    cells = (("peat", 4.0), ("clay", 4.0))
-    with pytest.raises(InputError, match=r"^soil heading: no records at peat 4 deg; the rows have"):
-        boundaries.find_boundary_ratio(both, (soil, heading, gain), cells, *told)

@@ -112,11 +112,11 @@ def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
         return Judged(run, aspects, best, samples)
     query = shared.conditions, shared.boundary, criterion, aspects.window
     try:
-        boundaries, products = find_boundary(rows, *query), subtract_schemes(rows, *query)
+        products = subtract_schemes(rows, *query)
     except InputError as error:  # a scheme is missing, or amplitudes were run one by one
         reason = f"{run.label}: no {'/'.join(shared.boundary)} boundary ({error})"
         return Judged(run, aspects, best, samples, no_boundary=reason)
-    return Judged(run, aspects, best, samples, boundaries, products)
+    return Judged(run, aspects, best, samples, find_boundary(products, shared.boundary), products)
 
 
 def _arrange_samples(cube: Cube, window: str, shared: Aspects) -> pd.DataFrame:

@@ -18,7 +18,7 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.results.conditions import Condition, Value, show_value
+from owtsweep.results.conditions import Condition, Value
 from owtsweep.results.status import OK
 from owtsweep.results.superposition import PRODUCTS, find_crossing
 from owtsweep.statistics.inference import percentile_interval, resample_means
@@ -30,20 +30,11 @@ COLUMNS = ("boundary", "ci_low", "ci_high", "n", "wins")
 Cell = tuple[Value, ...]
 
 
-def find_boundary(
-    rows: pd.DataFrame,
-    conditions: Sequence[Condition],
-    schemes: tuple[str, str],
-    measure: str,
-    window: str,
-) -> pd.DataFrame:
+def find_boundary(difference: pd.DataFrame, schemes: tuple[str, str]) -> pd.DataFrame:
     """Find the amplitude above which the second scheme is better than the first, in each cell.
 
-    Raise `InputError` if a scheme, the measure or the window is not among superposed rows.
-
-    `rows`: the rows of a run's cases, of which only superposed ones are used. `conditions`: the
-    study's conditions; the last one expands. `schemes`: the scheme that is expected to be better
-    below the boundary, then the one above.
+    `difference`: the table that `subtract_schemes` returns for the two `schemes`: first the scheme
+    that is expected to be better below the boundary, then the one above.
 
     Returns: one row per cell, sorted by condition: all conditions but the last, then `COLUMNS`.
         `boundary` is in the unit of the amplitude. `n` is the number of records that both schemes
@@ -59,7 +50,6 @@ def find_boundary(
         `ci_high` is infinite.
     """
     lines = []
-    difference = subtract_schemes(rows, conditions, schemes, measure, window)
     for cell, products in split_cells(difference).items():
         value, low, high, wins = _find_mean_crossing(products), np.nan, np.nan, ""
         if not 0.0 < value < np.inf:
@@ -68,39 +58,7 @@ def find_boundary(
         elif len(products) > 1:
             low, high = percentile_interval(_resample_crossings(cell, products))
         lines.append((*cell, value, low, high, len(products), wins))
-    return pd.DataFrame(lines, columns=[*(c.name for c in conditions[:-1]), *COLUMNS])
-
-
-def find_boundary_ratio(
-    rows: pd.DataFrame,
-    conditions: Sequence[Condition],
-    cells: tuple[Cell, Cell],
-    schemes: tuple[str, str],
-    measure: str,
-    window: str,
-) -> tuple[float, float, float]:
-    """Compute the ratio of the boundaries in two cells, `cells[0]` to `cells[1]`.
-
-    Records of two different cells are independent, so they are resampled independently. Arguments
-    are as in `find_boundary`. Return the ratio and the ends of its 95 % confidence interval. All
-    three are NaN if a cell has no boundary; the ends are NaN if a cell has a single record (see
-    `divide_crossings`). Raise `InputError` if a scheme, the measure, the window or a cell is not
-    among superposed rows.
-    """
-    by_cell = split_cells(subtract_schemes(rows, conditions, schemes, measure, window))
-    products = []
-    for cell in cells:
-        near = [there for there in by_cell if _same(there, cell)]
-        if not near:
-            outer = conditions[:-1]
-            present = ", ".join(" ".join(map(show_value, there)) for there in by_cell)
-            shown = " ".join(c.show(value) for c, value in zip(outer, cell, strict=True))
-            raise InputError(
-                f"{' '.join(c.name for c in outer)}: no records at {shown}; the rows have "
-                f"{present} {outer[-1].unit}".rstrip()
-            )
-        products.append((near[0], by_cell[near[0]]))
-    return divide_crossings(*products)
+    return pd.DataFrame(lines, columns=[*difference.index.names[:-1], *COLUMNS])
 
 
 def subtract_schemes(
@@ -188,10 +146,3 @@ def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> 
     if apart:  # a different key draws different records: the first condition is shifted by 1e4
         key[0] += 10**10
     return find_crossing(resample_means(products, key))
-
-
-def _same(one: Cell, other: Cell) -> bool:
-    return all(
-        a == b if isinstance(a, str) or isinstance(b, str) else np.isclose(a, b, rtol=1e-9)
-        for a, b in zip(one, other, strict=True)
-    )

@@ -12,7 +12,12 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
-from owtsweep.results.boundary import find_boundary, find_boundary_ratio
+from owtsweep.results.boundary import (
+    divide_crossings,
+    find_boundary,
+    split_cells,
+    subtract_schemes,
+)
 from owtsweep.results.conditions import Condition, Grid
 from owtsweep.results.cube import Cube
 from owtsweep.verdicts.inference import Estimate
@@ -71,16 +76,10 @@ class RunRows:
         The first scheme is better below the boundary, the second above.
         """
         key = (*schemes, measure)
-        if key not in self._found:
-            self._found[key] = self._find_boundaries(schemes, measure)
-        return self._found[key]
-
-    def _find_boundaries(self, schemes: tuple[str, str], measure: str) -> dict[Place, Boundary]:
-        try:
-            table = find_boundary(self.rows, self.conditions, schemes, measure, self.window)
-        except InputError:  # a scheme is missing, or cases run directly: they have no products
-            return {}
-        found = {}
+        if key in self._found:
+            return self._found[key]
+        difference, found = self._subtract(schemes, measure), self._found.setdefault(key, {})
+        table = pd.DataFrame() if difference is None else find_boundary(difference, schemes)
         for row in table.to_dict("records"):
             place = tuple(tidy(row[condition.name]) for condition in self.conditions[:-1])
             label = f"boundary at {self.tell(place)}"
@@ -88,23 +87,27 @@ class RunRows:
                 label += " (none: the means cross twice, or the other way round)"
             elif row["wins"]:
                 label += f" (none: {row['wins']} is better at every {self.conditions[-1].word})"
-            found[place] = Boundary(
-                label, row["boundary"], row["ci_low"], row["ci_high"], row["wins"]
-            )
+            numbers = row["boundary"], row["ci_low"], row["ci_high"]
+            found[place] = Boundary(label, *numbers, row["wins"])
         return found
 
     def divide(
         self, places: tuple[Place, Place], schemes: tuple[str, str], measure: str
     ) -> Estimate | None:
         """Return the boundary at one place over that at another; None without rows."""
-        name = f"boundary at {self.tell(places[0])} over that at {self.tell(places[1])}"
-        try:
-            ratio = find_boundary_ratio(
-                self.rows, self.conditions, places, schemes, measure, self.window
-            )
-        except InputError:
+        difference = self._subtract(schemes, measure)
+        cells = {} if difference is None else split_cells(difference)
+        tidied = {tuple(map(tidy, cell)): (cell, products) for cell, products in cells.items()}
+        if not all(place in tidied for place in places):
             return None
-        return Estimate(name, *ratio)
+        name = f"boundary at {self.tell(places[0])} over that at {self.tell(places[1])}"
+        return Estimate(name, *divide_crossings(*(tidied[place] for place in places)))
+
+    def _subtract(self, schemes: tuple[str, str], measure: str) -> pd.DataFrame | None:
+        try:
+            return subtract_schemes(self.rows, self.conditions, schemes, measure, self.window)
+        except InputError:  # a scheme is missing, or cases run directly: they have no products
+            return None
 
     def tell(self, place: Place) -> str:
         """Return the values of all conditions but the last in words."""
