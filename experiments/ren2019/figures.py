@@ -10,19 +10,27 @@ folder figures/.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import cast
 
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from experiments.command import open_run
 from experiments.ren2019.published import mse_tables
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_origin, make_cube
 from owtsweep.studies.hub.figures.listing import over_amplitude, save_each
+from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
+from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.sweep.runs import Run
 
 #: Figure -> its name among the figures of a run.
@@ -35,6 +43,10 @@ OF_RUN = {
 }  # fmt: skip
 #: Figure of the MSE over amplitude -> its natural period, s.
 PERIODS = {"figure_15": 4.0, "figure_16": 6.0, "figure_17": 8.0}
+#: The style of published numbers, drawn beside the curves.
+HOLLOW: style.Look = {
+    "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
+}  # fmt: skip
 #: Published measure -> the measure to which it contributes.
 PARTS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity"}
 
@@ -44,14 +56,54 @@ def draw_mse(run: Run, period: float) -> Iterator[Path]:
     for tuning, part in run.by_tuning().items():
         config = cast(HubConfig, part.config)
         same = find_coinciding(make_cube(config, part.cases()), CRITERIA)
-        figures = over_amplitude(config, part.summary(), [period], same, printed=sum_printed())
+        figures = {
+            name: partial(add_printed, draw, scheme_names(config), period)
+            for name, draw in over_amplitude(config, part.summary(), [period], same).items()
+        }
         end = f"_{tuning}" if tuning else ""
         for name, draw in save_each(figures, describe_origin(config), part.metadata()).items():
             yield from draw(run.place / "figures", f"{name}{end}")
 
 
+def add_printed(draw: Callable[[], Figure], schemes: Sequence[str], period: float) -> Figure:
+    """Draw MSE over amplitude; published numbers at a natural period (s) are hollow marks."""
+    figure, printed = draw(), sum_printed()
+    amplitudes = figure.axes[0].get_lines()[0].get_xdata()
+    inside = printed["amplitude"].between(min(amplitudes), max(amplitudes))
+    inside &= np.isclose(printed["natural_period"], period)
+    marks = printed[inside & printed["scheme"].isin(list(schemes))]
+    if marks.empty:
+        return figure
+    for axes, measure in zip(figure.axes, PANELS, strict=True):
+        low, high = axes.get_ylim()
+        for name in schemes:
+            rows = marks[(marks["scheme"] == name) & (marks["measure"] == measure)]
+            look = style_of(name, schemes)
+            axes.plot(
+                rows["amplitude"], rows["value"], color=look.color, marker=look.marker, **HOLLOW
+            )
+        drawn = marks.loc[marks["measure"] == measure, "value"]
+        axes.set_ylim(min(low, 0.8 * drawn.min()), max(high, 1.25 * drawn.max()))
+    tables = sorted(set(marks["table"]))
+    noun = "Tables" if len(tables) > 1 else "Table"
+    label = f"hollow: published\n({noun} {', '.join(map(str, tables))})"
+    (legend,) = figure.legends
+    figure.legend(
+        [*legend.legend_handles, Line2D([], [], color="0.3", marker="o", **HOLLOW)],
+        [*(text.get_text() for text in legend.get_texts()), label],
+        loc="outside right center", frameon=False,
+    )  # fmt: skip
+    legend.remove()
+    notes = [
+        f"Table {row['table']}, {row['scheme']}: {row['note']}."
+        for row in marks[marks["note"] != ""].to_dict("records")
+    ]
+    style.footnote(figure, " ".join([*figure.get_supxlabel().splitlines(), *notes]))
+    return figure
+
+
 def sum_printed() -> pd.DataFrame:
-    """Return the published MSEs of position and velocity, as `mse_over_amplitude.draw` takes them.
+    """Return the published MSEs of position and velocity.
 
     Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
     """

@@ -25,10 +25,6 @@ CLOSEST_TICKS = 0.045
 #: A logarithmic axis cannot show zero, so the lower end of an interval is at least this fraction of
 #: its mean.
 LOWEST = 0.1
-#: The style of points from other sources, drawn beside the curves.
-HOLLOW: style.Look = {
-    "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
-}  # fmt: skip
 
 
 def choose(
@@ -65,8 +61,6 @@ def draw(
     panels: Mapping[str, str],
     *,
     title: str,
-    points: pd.DataFrame | None = None,
-    points_label: str = "",
     coinciding: Sequence[Sequence[str]] = (),
     notes: Sequence[str] = (),
     thin: Sequence[str] = (),
@@ -77,9 +71,6 @@ def draw(
     schemes: names of the schemes to draw, in the order of the legend.
     along: the condition on the horizontal axis.
     panels: Name of a measure -> label of the vertical axis of its panel, which is logarithmic.
-    points: Hollow marks beside the curves, e.g. published results: a table with the columns scheme,
-        measure and value, and a column named like the condition `along`.
-    points_label: Text for the points in the legend; "" leaves them out of it.
     coinciding: Groups of names of schemes with equal results, which the footnote lists.
     thin: Further schemes, drawn behind the others as thin lines without intervals. The vertical
         axis shows the range of the others.
@@ -89,12 +80,6 @@ def draw(
     grid = figure.subplots(1, len(panels), squeeze=False)[0]
     for axes, (measure, label) in zip(grid, panels.items(), strict=True):
         _draw_curves(axes, shown[shown["measure"] == measure], schemes, along, levels)
-        for name in schemes:
-            look = style_of(name, schemes)
-            if points is not None:
-                rows = points[(points["scheme"] == name) & (points["measure"] == measure)]
-                place = _place(rows[along.name], levels)
-                axes.plot(place, rows["value"], color=look.color, marker=look.marker, **HOLLOW)
         scale_axes(axes, along, levels)
         limits = axes.get_ylim()
         for name in thin:
@@ -106,7 +91,7 @@ def draw(
         axes.set_ylim(limits)
         axes.set_ylabel(label)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
-    handles = _make_legend(shown, schemes, points_label)
+    handles = _make_legend(shown, schemes)
     handles += [
         Line2D([], [], label=style.label_of(name), **thin_line(style_of(name, thin)))
         for name in thin
@@ -188,7 +173,7 @@ def scale_axes(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
         axes.set_xlim(numbers[0] / 2.0, numbers[0] * 2.0)
 
 
-def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str) -> list[Artist]:
+def _make_legend(shown: pd.DataFrame, schemes: Sequence[str]) -> list[Artist]:
     handles: list[Artist] = []
     for name in schemes:
         look = style_of(name, schemes)
@@ -197,8 +182,6 @@ def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str)
         handles.append(Line2D([], [], color=look.color, **line))
     if shown["ci_low"].notna().any():
         handles.append(Patch(facecolor="0.6", alpha=0.5, label="95 % interval\nof the mean"))
-    if points_label:
-        handles.append(Line2D([], [], color="0.3", marker="o", label=points_label, **HOLLOW))
     return handles
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 import math
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ from rich.console import Console
 from tools import configure
 
 from experiments.ren2019 import published
-from experiments.ren2019.figures import sum_printed
+from experiments.ren2019.figures import add_printed
 from experiments.ren2019.histories import measure_histories
 from experiments.ren2019.two_maps import Crossing, make_way
 from owtsweep.config import changed
@@ -238,7 +239,7 @@ def test_map_refuses_a_criterion_without_rows():
 def test_mse_figure_draws_the_means_and_the_published_points():
     amplitudes = [0.05, 0.2, 1.0, 10.0]
     table = summary_table(8.0, amplitudes).sample(frac=1.0, random_state=1)
-    figure = mse_over_amplitude.draw(bare(), table, 8.0, printed=sum_printed())
+    figure = add_printed(partial(mse_over_amplitude.draw, bare(), table, 8.0), SCHEMES, 8.0)
     print_ = published.mse_tables().query("natural_period == 8")
     panels = (("position", ["x", "y"]), ("velocity", ["vx", "vy"]))
     for axes, (measure, parts) in zip(figure.axes, panels, strict=True):
@@ -276,10 +277,9 @@ def test_mse_figure_draws_the_means_and_the_published_points():
 
 def test_mse_figure_without_published_points_or_intervals():
     table = summary_table(5.0, [0.2]).assign(ci_low=math.nan, ci_high=math.nan, n=1)
-    for printed in (None, sum_printed()):
-        figure = mse_over_amplitude.draw(bare(), table, 5.0, printed=printed)
-        shown = texts(figure)
-        assert "published" not in shown
+    figure = add_printed(partial(mse_over_amplitude.draw, bare(), table, 5.0), SCHEMES, 5.0)
+    shown = texts(figure)
+    assert "published" not in shown
     assert "95 %" not in shown
     with pytest.raises(InputError, match=r"^natural_period: no result at 6 s .* this run has 5$"):
         mse_over_amplitude.draw(bare(), table, 6.0)

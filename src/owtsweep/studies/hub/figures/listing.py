@@ -144,13 +144,11 @@ def over_amplitude(
     summary: pd.DataFrame,
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
-    *,
-    printed: pd.DataFrame | None = None,
 ) -> dict[str, Draw]:
     """List the figures of MSE against amplitude by name, one figure per natural period (s)."""
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
-    draw = partial(mse_over_amplitude.draw, config, summary, coinciding=coinciding, printed=printed)
+    draw = partial(mse_over_amplitude.draw, config, summary, coinciding=coinciding)
     return {
         f"{PAPER_FIGURES.get(period, '')}mse_{period:g}s": partial(draw, period)
         for period in sorted(periods)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -24,7 +23,6 @@ def draw(
     summary: pd.DataFrame,
     natural_period: float,
     coinciding: Sequence[Sequence[str]] = (),
-    printed: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
@@ -33,32 +31,18 @@ def draw(
     summary: the table summary.csv of a run.
     natural_period: one of the natural periods in `summary`, in s.
     coinciding: groups of schemes with equal results, for the footnote.
-    printed: published numbers, of which those at this natural period are drawn as hollow marks.
-        Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
     Raises InputError if `summary` has no data at that period in that window.
     """
     schemes, baselines = scheme_names(config), list_baselines(config)
     window, here = config.measures.window, {NATURAL_PERIOD: natural_period}
     curves.choose(summary, schemes, window, here)  # baselines alone are no figure
     shown = curves.choose(summary, [*schemes, *baselines], window, here)
-    marks, label, notes = None, "", []
+    notes = []
     if baselines:
         told = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in baselines)
         notes.append(f"Thin: baselines ({told}). The axes have the range of the schemes.")
     if config.grid.decides and config.engine != "expected":
         notes.append(SHARED)
-    if printed is not None:
-        drawn = shown["amplitude"]
-        inside = printed["amplitude"].between(drawn.min(), drawn.max())
-        inside &= np.isclose(printed["natural_period"], natural_period)
-        marks = printed[inside & printed["scheme"].isin(schemes)]
-        notes += [
-            f"Table {row['table']}, {row['scheme']}: {row['note']}."
-            for row in marks[marks["note"] != ""].to_dict("records")
-        ]
-        if tables := sorted(set(marks["table"])):
-            noun = "Tables" if len(tables) > 1 else "Table"
-            label = f"hollow: published\n({noun} {', '.join(map(str, tables))})"
     return curves.draw(
         shown,
         schemes,
@@ -66,8 +50,6 @@ def draw(
         PANELS,
         title=f"Mean squared error over amplitude, natural period {natural_period:g} s\n"
         f"{style.describe_window(window)}, tuning: {config.tuning_name}",
-        points=marks,
-        points_label=label,
         coinciding=coinciding,
         thin=baselines,
         notes=notes,
