@@ -15,10 +15,10 @@ from owtsweep.figures.margin import (
     EXPLANATION,
     FULL,
     PALEST,
-    Shades,
     add_legend,
     fill_cell,
     fill_regions,
+    make_entry,
     ratio_of,
     share_of_color,
 )
@@ -67,7 +67,7 @@ def test_a_fine_map_has_the_fills_of_its_cells():
 def test_the_legend_shows_the_shades_and_explains_them():
     with style.context():
         figure = style.new_figure(4.0, 2.0)
-        add_legend(figure, [Shades(facecolor=LOOKS["MKF"].color, label="MKF")], columns=1)
+        add_legend(figure, [make_entry("MKF", ["MKF"])], columns=1)
     legend = figure.legends[0]
     assert f"{FULL:g} times" in legend.get_title().get_text()
     figure.draw_without_rendering()
@@ -80,7 +80,7 @@ def test_the_origin_stands_above_the_legend_not_on_it():
     with style.context():
         figure = style.new_figure(6.0, 3.0)
         figure.add_subplot().set_title("map", loc="left")
-        add_legend(figure, [Shades(facecolor=LOOKS["MKF"].color, label="MKF")], columns=1)
+        add_legend(figure, [make_entry("MKF", ["MKF"])], columns=1)
         style.add_origin(figure, "Truth: records of 1000 s")
         figure.draw_without_rendering()
     origin, explanation = figure.legends[0].get_title().get_text().splitlines()

@@ -14,7 +14,7 @@ from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
-from owtsweep.figures.margin import HANDLERS, list_shades
+from owtsweep.figures.margin import list_shades
 from owtsweep.figures.plane import Plane
 
 #: Greatest number of panels in a figure; number of panels in a row if the runs differ in one key.
@@ -95,7 +95,7 @@ def draw(
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"
             handles += _plot_line(grid[0][0], [], label=label)
-        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", 4, HANDLERS)
+        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", 4)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
 

@@ -22,6 +22,7 @@ from owtsweep.figures import margin, style
 from owtsweep.figures.margin import add_legend, list_in_legend, make_entry
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane, Row
+from owtsweep.figures.style import Handle
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import show_error
 
@@ -184,9 +185,9 @@ def _describe_runner_up(row: Row) -> str:
 
 def _make_legend(
     rows: Sequence[Row], schemes: Sequence[str], groups: Sequence[Sequence[str]], *, holes: bool
-) -> list[Patch]:
+) -> list[Handle]:
     winners = [row["best"] for row in rows]
-    handles = []
+    handles: list[Handle] = []
     for name in schemes:
         if any(name in group[:-1] for group in groups):
             continue  # shown under the last name of its group
@@ -195,7 +196,7 @@ def _make_legend(
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
         handles.append(make_entry(name, schemes, label))
     hatched = any(row["verdict"] == "open" for row in rows)
-    return handles + explain_marks(hatched=hatched, holes=holes)
+    return [*handles, *explain_marks(hatched=hatched, holes=holes)]
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:

@@ -9,19 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.legend import Legend
-from matplotlib.legend_handler import HandlerBase
-from matplotlib.patches import Patch, Rectangle
-from matplotlib.transforms import Transform
+from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white, style_of
 from owtsweep.figures.plane import Row
-from owtsweep.figures.style import label_of
+from owtsweep.figures.style import HANDLERS, Handle, label_of
 
 #: The fill is the scheme's full colour where the runner-up's error is this many times the best
 #: one's, or more.
@@ -77,50 +72,30 @@ MOST_LISTED = 9
 COUNT = 4
 
 
-class Shades(Patch):
-    """The handle of a scheme's entry; its face has the scheme's full colour."""
+class Shades(tuple[Patch, ...]):
+    """A scheme's entry of a legend: patches side by side, the palest shade on the left."""
 
+    label: str
 
-class _Strip(HandlerBase):
-    """Draws a `Shades` as rectangles side by side, the palest shade on the left."""
-
-    def create_artists(
-        self,
-        legend: Legend,
-        orig_handle: Artist,
-        xdescent: float,
-        ydescent: float,
-        width: float,
-        height: float,
-        fontsize: float,
-        trans: Transform,
-    ) -> list[Rectangle]:
-        assert isinstance(orig_handle, Shades)
-        color, step = to_hex(orig_handle.get_facecolor()), width / COUNT
-        return [
-            Rectangle(
-                (number * step - xdescent, -ydescent), step, height, linewidth=0.0,
-                facecolor=mix_with_white(color, share), transform=trans,
-            )
-            for number, share in enumerate(np.linspace(PALEST, 1.0, COUNT))
-        ]  # fmt: skip
-
-
-#: For the argument `handler_map` of `Figure.legend`.
-HANDLERS: dict[type[Artist], HandlerBase] = {Shades: _Strip()}
+    def get_label(self) -> str:
+        return self.label
 
 
 def make_entry(name: str, schemes: Sequence[str], label: str = "") -> Shades:
     """Return a scheme's entry of a legend, in its style among all `schemes`; `label` or `name`."""
-    return Shades(facecolor=style_of(name, schemes).color, label=label_of(label or name))
+    color = style_of(name, schemes).color
+    fills = (mix_with_white(color, share) for share in np.linspace(PALEST, 1.0, COUNT))
+    entry = Shades(Patch(facecolor=fill, linewidth=0.0) for fill in fills)
+    entry.label = label_of(label or name)
+    return entry
 
 
-def list_shades(names: Sequence[str], schemes: Sequence[str]) -> list[Artist]:
+def list_shades(names: Sequence[str], schemes: Sequence[str]) -> list[Handle]:
     """Return the entries of a map's legend for `names`, in their styles among all `schemes`."""
     return [make_entry(name, schemes) for name in names]
 
 
-def add_legend(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
+def add_legend(figure: Figure, handles: Sequence[Handle], columns: int) -> None:
     """Put the legend of a map above its title; the legend's own title explains the shades."""
     figure.legend(
         handles=handles, handler_map=HANDLERS, ncols=columns, loc="outside upper center",

@@ -17,7 +17,7 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.legend_handler import HandlerBase
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.text import Text
 from matplotlib.typing import RcKeyType
 
@@ -52,6 +52,9 @@ OWN_TEX = re.compile(r"\$_[2xy]\$")
 JOINER = "\N{WORD JOINER}"
 #: Properties of a line, a patch or a text for matplotlib; each has a type of its own.
 Look = dict[str, Any]
+#: An entry of a legend: one artist, or several side by side; and how matplotlib draws the latter.
+Handle = Artist | tuple[Artist, ...]
+HANDLERS = {tuple: HandlerTuple(ndivide=None, pad=0.0)}
 WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 
@@ -108,18 +111,14 @@ def label_of(name: str) -> str:
 
 def add_legend_above(
     figure: Figure,
-    handles: Sequence[Artist],
+    handles: Sequence[Handle],
     title: str,
     columns: int,
-    handlers: Mapping[type[Artist], HandlerBase] | None = None,
 ) -> None:
-    """Put a legend with a title at the top of a figure; `title` serves as the figure's title.
-
-    `handlers` draw special entries: kind of entry -> handler, as matplotlib's `handler_map`.
-    """
+    """Put a legend with a title at the top of a figure; `title` serves as the figure's title."""
     figure.legend(
         handles=handles,
-        handler_map=None if handlers is None else dict(handlers),
+        handler_map=HANDLERS,
         title=title,
         title_fontsize=11,
         loc="outside upper left",

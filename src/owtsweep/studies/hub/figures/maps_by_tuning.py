@@ -18,8 +18,9 @@ from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import ONE_LINE, RUNNER_UP, draw_cells
-from owtsweep.figures.margin import HANDLERS, list_shades
+from owtsweep.figures.margin import list_shades
 from owtsweep.figures.plane import Plane
+from owtsweep.figures.style import HANDLERS
 from owtsweep.results.answer import tell_counts
 from owtsweep.results.conditions import Value, select
 from owtsweep.studies.hub.conditions import JUDGED, find_world
@@ -109,7 +110,11 @@ def draw(
     if region is not None:
         handles.append(Polygon([(0.0, 0.0)], label=region.label, **_OUTLINE))
     figure.legend(
-        handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
+        handles=handles,
+        handler_map=HANDLERS,
+        loc="outside upper right",
+        ncols=2,
+        frameon=False,
     )
     figure.suptitle("\n".join(told), x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
