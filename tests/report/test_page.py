@@ -176,9 +176,11 @@ def test_ten_thousand_cells_have_means_and_choices_of_further_axes():
 
 def test_the_axes_are_the_first_two_that_vary():
     conditions = [Condition(name, name) for name in "abc"]
-    layout = choose_axes(conditions, {"a": [1.0], "b": [1.0, 2.0], "c": ["x", "y"]})
-    assert (layout.across.name, layout.upwards.name) == ("b", "c")
-    assert [condition.name for condition in layout.further] == ["a"]
+    plane = choose_axes(conditions, {"a": [1.0], "b": [1.0, 2.0], "c": ["x", "y"]})
+    assert (plane.across.name, plane.upwards.name) == ("b", "c")
+    assert plane.list_off(conditions) == ["a"]
+    three = choose_axes(conditions, {"a": [1.0, 2.0], "b": [1.0, 2.0], "c": ["x", "y"]})
+    assert (three.across.name, three.upwards.name) == ("a", "b")
     alone = choose_axes([PERIOD], {"natural_period": [3.0]})
     assert alone.upwards is None
 

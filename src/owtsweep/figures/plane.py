@@ -67,6 +67,10 @@ class Plane:
         lines: list[Value] = list(grid[upwards.name]) if upwards else [""]
         return cls(across, list(grid[across.name]), upwards, lines)
 
+    def list_off(self, conditions: Sequence[Condition]) -> list[str]:
+        """Return the names of those of some conditions that are no axis of the map."""
+        return [each.name for each in conditions if each not in (self.across, self.upwards)]
+
     @property
     def size(self) -> int:
         """The number of cells of the map."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+from array import array
 from collections.abc import Sequence
 from itertools import product
 from typing import Any
@@ -26,26 +27,6 @@ COLUMNS = (
 )  # fmt: skip
 
 
-class _Floats:
-    """Numbers of 32 bits, one after the other."""
-
-    def __init__(self) -> None:
-        self._parts: list[Array] = []
-        self._count = 0
-
-    def add(self, *arrays: Array) -> int:
-        """Add the numbers of arrays; return the place of the first one."""
-        place = self._count
-        for array in arrays:
-            self._parts.append(array.ravel())
-            self._count += array.size
-        return place
-
-    def encode(self) -> str:
-        whole = np.concatenate([*self._parts, np.empty(0)]).astype("<f4")
-        return base64.b64encode(whole.tobytes()).decode()
-
-
 def make_part(
     tuning: str, contents: Contents, *, exact: bool, details: object = None, help: str = ""
 ) -> dict[str, object]:
@@ -55,7 +36,7 @@ def make_part(
     details: what `owtsweep.sweep.details` has kept of records, as JSON data.
     help: how to get details, where there are none.
     """
-    cube, floats, grid = contents.cube, _Floats(), get_grid(contents)
+    cube, floats, grid = contents.cube, array("f"), get_grid(contents)
     names = [name for name in contents.criteria if name in cube.measures]
     means_only = exact or math.prod(len(levels) for levels in cube.levels) > MOST_CELLS
     looks: dict[str, dict[str, object]] = {name: {} for name in names}
@@ -68,8 +49,8 @@ def make_part(
         counts |= {look.records for of_cell in found for look in of_cell}
         if details is not None:
             shown = values[..., :MOST_RECORDS]
-            records[name][window] = [floats.add(shown), *shown.shape]
-    layout = choose_axes(contents.conditions, grid)
+            records[name][window] = [_add(floats, shown), *shown.shape]
+    plane = choose_axes(contents.conditions, grid)
     return {
         "tuning": tuning,
         "schemes": [
@@ -87,14 +68,14 @@ def make_part(
             {**_list_facts(condition, "name", "label", "word", "unit", "scale"), "values": levels}
             for condition, levels in zip(cube.conditions, cube.levels, strict=True)
         ],
-        "across": cube.names.index(layout.across.name),
-        "upwards": cube.names.index(layout.upwards.name) if layout.upwards else -1,
-        "further": [cube.names.index(condition.name) for condition in layout.further],
+        "across": cube.names.index(plane.across.name),
+        "upwards": cube.names.index(plane.upwards.name) if plane.upwards else -1,
+        "further": [cube.names.index(name) for name in plane.list_off(contents.conditions)],
         "superposed": is_superposed(cube),
         "exact": exact,
         "cells": _list_cells(contents),
         "looks": looks,
-        "floats": floats.encode(),
+        "floats": base64.b64encode(floats.tobytes()).decode(),
         "details": details,
         "records": None if details is None else records,
         "help": help,
@@ -106,9 +87,17 @@ def _list_facts(thing: object, *names: str) -> dict[str, object]:
     return {name: getattr(thing, name) for name in names}
 
 
-def _pack(look: Look, floats: _Floats) -> tuple[int, list[int], int, int]:
+def _add(floats: array[float], *added: Array) -> int:
+    """Add the numbers of arrays, in 32 bits; return the place of the first one."""
+    place = len(floats)
+    for each in added:
+        floats.frombytes(each.astype("<f4").tobytes())
+    return place
+
+
+def _pack(look: Look, floats: array[float]) -> tuple[int, list[int], int, int]:
     """Return number of records, schemes, place of the numbers, and rows of the factor."""
-    return look.records, look.schemes, floats.add(look.mean, look.factor), len(look.factor)
+    return look.records, look.schemes, _add(floats, look.mean, look.factor), len(look.factor)
 
 
 def _draw_as(style: SchemeStyle) -> dict[str, str]:
@@ -119,11 +108,8 @@ def _draw_as(style: SchemeStyle) -> dict[str, str]:
 def _list_cells(contents: Contents) -> dict[str, list[Any]]:
     """Return columns of the cells: `at`, indices of the conditions' values, criterion and more."""
     cube, best = contents.cube, contents.cells
-    places = [{value: i for i, value in enumerate(levels)} for levels in cube.levels]
-    at = [
-        [place[value] for place, value in zip(places, values, strict=True)]
-        for values in zip(*(best[name] for name in cube.names), strict=True)
-    ]
+    levels = zip(cube.names, cube.levels, strict=True)
+    at = np.transpose([best[name].map(each.index) for name, each in levels]).tolist()
     columns = {name: _as_plain(best[name].tolist()) for name in COLUMNS if name in best}
     return {"at": at, "criterion": best["criterion"].tolist(), **columns}
 

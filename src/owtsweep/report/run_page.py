@@ -150,27 +150,19 @@ def _write_map(mapped: Mapping[str, Contents], names: Mapping[str, str]) -> str:
 
 
 def _tabulate_cells(caption: str, contents: Contents, criterion: str) -> str:
-    judged = contents.criteria[criterion]
+    judged, names = contents.criteria[criterion], [each.name for each in contents.conditions]
     unit = f" ({judged.unit})" if judged.unit else ""
-    cells = contents.cells[contents.cells["criterion"] == criterion]
-    header = [
-        *(condition.title for condition in contents.conditions),
-        "verdict", "best", f"error{unit}", "95 % from", "to", "next best", f"its error{unit}",
-    ]  # fmt: skip
-    rows = [
-        [
-            *(show_value(row[condition.name]) for condition in contents.conditions),
-            row["verdict"],
-            row["best"],
-            *(show(row[name]) for name in ("error_best", "error_low", "error_high")),
-            row["runner_up"],
-            show(row["error_runner_up"]),
-        ]
-        for row in cells.head(MOST_ROWS).to_dict("records")
-    ]
-    more = len(cells) - len(rows)
-    note = f'<p class="note">{more} more cells stand in best_scheme.csv.</p>' if more else ""
-    return make_table(caption, header, rows) + note
+    titles = {
+        **{condition.name: condition.title for condition in contents.conditions},
+        "verdict": "verdict", "best": "best", "error_best": f"error{unit}",
+        "error_low": "95 % from", "error_high": "to", "runner_up": "next best",
+        "error_runner_up": f"its error{unit}",
+    }  # fmt: skip
+    cells = contents.cells.loc[contents.cells["criterion"] == criterion, [*titles]]
+    shown = cells.assign(**{name: cells[name].map(show_value) for name in names})
+    more = len(cells) - MOST_ROWS
+    note = f'<p class="note">{more} more cells stand in best_scheme.csv.</p>' if more > 0 else ""
+    return tabulate(caption, shown.rename(columns=titles)) + note
 
 
 def tabulate(caption: str, table: pd.DataFrame) -> str:

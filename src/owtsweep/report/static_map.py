@@ -6,11 +6,10 @@ The scripts of the page fill the same cells with other numbers; they draw no map
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 from owtsweep.figures.margin import fill_cell, ratio_of
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Row
+from owtsweep.figures.plane import Plane, Row
 from owtsweep.report.document import clean
 from owtsweep.results.conditions import Condition, Grid, Value, select, show_value
 from owtsweep.results.contents import Contents
@@ -27,23 +26,10 @@ MOST_COLUMNS, MOST_LINES = 14, 24
 MOST_LETTERS, LETTER, SMALL_LETTER, RATIO, MOST_LABEL = 16, 8.4, 6.8, 6, 10
 
 
-class Layout(NamedTuple):
-    """Which conditions are the axes of a map: from left to right, and upwards (None: one line).
-
-    further: the conditions off the axes.
-    """
-
-    across: Condition
-    upwards: Condition | None
-    further: list[Condition]
-
-
-def choose_axes(conditions: Sequence[Condition], grid: Grid) -> Layout:
-    """Return the axes: the first two conditions that have several values in `grid`."""
-    varied = [condition for condition in conditions if len(grid[condition.name]) > 1]
-    single = [condition for condition in conditions if condition not in varied]
-    across, *others = [*varied, *single]
-    return Layout(across, others[0] if others else None, others[1:])
+def choose_axes(conditions: Sequence[Condition], grid: Grid) -> Plane:
+    """Return the axes of a map: of conditions with more than one value, the first two."""
+    varied = [condition.name for condition in conditions if len(grid[condition.name]) > 1]
+    return Plane.over(conditions, {**grid, **{name: grid[name][:1] for name in varied[2:]}})
 
 
 def get_grid(contents: Contents) -> dict[str, list[Value]]:
@@ -57,14 +43,12 @@ def draw(contents: Contents) -> str:
     Of more than two conditions with several values, the map has the first value of the others.
     """
     grid, best = get_grid(contents), contents.cells
-    layout = choose_axes(contents.conditions, grid)
+    plane = choose_axes(contents.conditions, grid)
+    columns, lines = plane.columns, plane.lines
     criterion = next(iter(contents.criteria))
     shown = best[(best["criterion"] == criterion) & (best["window"] == contents.window)]
-    shown = select(shown, {each.name: grid[each.name][0] for each in layout.further})
-    columns = grid[layout.across.name]
-    lines: list[Value] = grid[layout.upwards.name] if layout.upwards else [""]
-    names = [layout.across.name, *([layout.upwards.name] if layout.upwards else [])]
-    rows = {tuple(row[name] for name in names): row for row in shown.to_dict("records")}
+    shown = select(shown, {name: grid[name][0] for name in plane.list_off(contents.conditions)})
+    rows = {plane.place(row): row for row in shown.to_dict("records")}
     labelled = len(columns) <= MOST_COLUMNS and len(lines) <= MOST_LINES
     letters = [max(map(len, best[name]), default=0) for name in ("best", "runner_up")]
     first, second = (min(count, MOST_LETTERS) for count in letters)
@@ -75,22 +59,21 @@ def draw(contents: Contents) -> str:
     parts = []
     for i, column in enumerate(columns):
         for j, line in enumerate(lines):
-            row = rows.get((column, line) if layout.upwards else (column,))
             x, y = BESIDE + width * i, bottom - height * (j + 1)
-            where = _name_cell(layout, column, line)
+            row, where = rows.get((i, j)), _name_cell(plane, column, line)
             parts.append(_draw_cell(row, contents.cube.schemes, (i, j), (x, y, *size), where))
     every = 1 if labelled else -(-len(columns) // 8)
     for i in range(0, len(columns), every):
         x = BESIDE + width * i + width // 2
         parts.append(_write(x, bottom + 16, "middle", _shorten(columns[i])))
-    parts.append(_write(BESIDE, bottom + 34, "start", layout.across.title, "axis"))
+    parts.append(_write(BESIDE, bottom + 34, "start", plane.across.title, "axis"))
     every = 1 if labelled else -(-len(lines) // 12)
     for j in range(0, len(lines), every):
-        if layout.upwards:
+        if plane.upwards:
             y = bottom - height * j - height // 2 + 4
             parts.append(_write(BESIDE - 6, y, "end", _shorten(lines[j])))
-    if layout.upwards:
-        parts.append(_write(0, -8, "start", layout.upwards.title, "axis"))
+    if plane.upwards:
+        parts.append(_write(0, -8, "start", plane.upwards.title, "axis"))
     top, side = 22, max(right, 340)
     name = f"Best scheme by {contents.criteria[criterion].title}"
     return (
@@ -149,10 +132,10 @@ def list_texts(row: Row) -> list[str]:
     return texts
 
 
-def _name_cell(layout: Layout, column: Value, line: Value) -> str:
-    named = [f"{layout.across.word} {layout.across.show(column)}"]
-    if layout.upwards:
-        named.append(f"{layout.upwards.word} {layout.upwards.show(line)}")
+def _name_cell(plane: Plane, column: Value, line: Value) -> str:
+    named = [f"{plane.across.word} {plane.across.show(column)}"]
+    if plane.upwards:
+        named.append(f"{plane.upwards.word} {plane.upwards.show(line)}")
     return ", ".join(named)
 
 
