@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
-from owtsweep.figures.margin import Shades, add_legend, make_entry
-from owtsweep.figures.palette import SchemeStyle, style_of, text_color_on
+from owtsweep.figures.margin import add_legend, make_entry
+from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.results.conditions import Condition
 
 #: Contour levels: by how many per cent the runner-up's MSE is larger than the best scheme's.
@@ -91,23 +91,21 @@ def draw(
     axes.set_title(title, loc="left")
     named = {name for number, name in enumerate(schemes) if (field.best == number).any()}
     groups = style.choose_groups(coinciding, named)
-    handles = _make_legend(field, schemes, groups)
-    for number, name in enumerate(baselines):
-        share = float(np.mean(field.baseline == number))
-        if share > 0.0:
-            handles.append(make_entry(name, baselines, f"{name}: {_describe_share(share)}"))
+    hidden = {name for group in groups for name in group[:-1]}
+    handles = []
+    for names, best in ((schemes, field.best), (baselines, field.baseline)):
+        for number, name in enumerate(names):
+            share = float(np.mean(best == number))
+            if name not in hidden and (share > 0.0 or names is schemes):
+                handles.append(make_entry(name, names, f"{name}: {_describe_share(share)}"))
     add_legend(figure, handles, columns=2)
     style.footnote(figure, " ".join([_explain(field, origin, groups), *notes]))
     return figure
 
 
 def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
-    looks = [style_of(name, schemes) for name in schemes]
     ratio = np.sqrt(1.0 + field.excess / 100.0)  # of errors, not of their squares
-    fill = margin.fill_regions(field.best, ratio, [look.color for look in looks])
-    axes.pcolormesh(field.columns, field.lines, fill, shading="nearest", rasterized=True)
-    for number, (name, look) in enumerate(zip(schemes, looks, strict=True)):
-        _name_region(axes, field, field.best == number, name, look, zorder=5)
+    _fill(axes, field, field.best, ratio, schemes, zorder=1)
     unclear = ~field.distinguishable
     if unclear.any():
         cover: style.Look = {"levels": [0.5, 1.5], "colors": "none", "hatches": [HATCH]}
@@ -124,36 +122,40 @@ def _cover_baselines(axes: Axes, field: Field, baselines: Sequence[str]) -> None
     covered = field.baseline >= 0
     if not covered.any():
         return
-    looks = [style_of(name, baselines) for name in baselines]
-    fill = margin.fill_regions(
-        field.baseline, np.exp(0.5 * field.lead), [look.color for look in looks]
-    )
-    cover = np.dstack([fill, covered.T])
-    axes.pcolormesh(field.columns, field.lines, cover, shading="nearest", rasterized=True, zorder=6)
+    _fill(axes, field, field.baseline, np.exp(0.5 * field.lead), baselines, zorder=6)
     if not covered.all():
         edge: style.Look = {"colors": "black", "linewidths": 1.4, "zorder": 7}
         axes.contour(field.columns, field.lines, field.lead.T, [field.resolution], **edge)
-    for number, name in enumerate(baselines):
-        _name_region(axes, field, field.baseline == number, name, looks[number], zorder=8)
 
 
-def _name_region(
+def _fill(
     axes: Axes,
     field: Field,
-    region: NDArray[np.bool_],
-    name: str,
-    look: SchemeStyle,
+    best: NDArray[np.intp],
+    ratio: Array,
+    names: Sequence[str],
     *,
     zorder: float,
 ) -> None:
-    """Write a name into a region, shape (columns, lines), if the region has room for the name."""
-    if region.mean() > LEAST_REGION:
-        i, j = _find_middle(region)
-        axes.text(
-            field.columns[i], field.lines[j], name, color=text_color_on(look.color),
-            ha="center", va="center", fontsize=12, fontweight="bold", zorder=zorder,
-            bbox={"facecolor": look.color, "edgecolor": "none", "pad": 2.0},
-        )  # fmt: skip
+    """Fill the regions of names, shaded by `ratio`, and write each name into its region.
+
+    best: Index of the name of a point, shape (columns, lines); -1: its fill is left as it is.
+    """
+    looks = [style_of(name, names) for name in names]
+    fill = margin.fill_regions(best, ratio, [look.color for look in looks])
+    cover = np.dstack([fill, best.T >= 0])
+    axes.pcolormesh(
+        field.columns, field.lines, cover, shading="nearest", rasterized=True, zorder=zorder
+    )
+    for number, (name, look) in enumerate(zip(names, looks, strict=True)):
+        region = best == number
+        if region.mean() > LEAST_REGION:  # it has room for the name
+            i, j = _find_middle(region)
+            axes.text(
+                field.columns[i], field.lines[j], name, color=text_color_on(look.color),
+                ha="center", va="center", fontsize=12, fontweight="bold", zorder=zorder + 2,
+                bbox={"facecolor": look.color, "edgecolor": "none", "pad": 2.0},
+            )  # fmt: skip
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
@@ -192,18 +194,6 @@ def _find_middle(region: NDArray[np.bool_]) -> tuple[int, int]:
     depth = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
     i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
     return int(i), int(j)
-
-
-def _make_legend(
-    field: Field, schemes: Sequence[str], coinciding: Sequence[Sequence[str]]
-) -> list[Shades]:
-    hidden = {name for group in coinciding for name in group[:-1]}
-    handles = []
-    for number, name in enumerate(schemes):
-        if name not in hidden:
-            share = _describe_share(float(np.mean(field.best == number)))
-            handles.append(make_entry(name, schemes, f"{name}: {share}"))
-    return handles
 
 
 def _describe_share(won: float) -> str:

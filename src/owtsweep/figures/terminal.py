@@ -94,7 +94,11 @@ def grid(
             parts.append(Text(", ".join(words)))
         plane = Plane.of(cells, conditions[:2])
         rows = {plane.place(row): row for row in cells.to_dict("records")}
-        parts.append(_Map(rows, schemes, signs, plane))
+        headers = [plane.across.show(value) for value in plane.columns]
+        beside, labels = "", [""]
+        if plane.upwards:
+            beside, labels = plane.upwards.word, [plane.upwards.show(v) for v in plane.lines]
+        parts.append(_Map(rows, schemes, signs, headers, labels, beside))
         holes |= len(rows) < plane.size
     parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation()]
     parts += [Text(note) for note in notes]
@@ -121,61 +125,51 @@ def _break_name(name: str) -> list[str]:
 class _Map:
     """The cells of one map; the width and the colours are chosen when it is printed.
 
-    `rows`: (column, line) of a cell -> its row of best_scheme.csv. `signs`: scheme that is best in
-    some cell -> the lines that stand for it there.
+    rows: (column, line) of a cell -> its row of best_scheme.csv.
+    signs: scheme that is best in some cell -> the lines that stand for it there.
+    headers, labels, beside: the texts above the columns, beside the lines, and above the latter.
     """
 
     rows: Mapping[tuple[int, int], Row]
     schemes: Sequence[str]
     signs: Mapping[str, list[str]]
-    plane: Plane
+    headers: list[str]
+    labels: list[str]
+    beside: str
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield tables that are as wide as fits; what is left continues in a table below."""
         shaded = SHADED.get(console.color_system or "")
-        widths = self._column_widths()
+        outer, widths = self._measure()
         cells = {
             (column, line): self._make_cell(row, shaded, widths[column])
             for (column, line), row in self.rows.items()
         }
-        for _, *columns in break_columns([self._outer_width(), *widths], options.max_width, gap=1):
+        for _, *columns in break_columns([outer, *widths], options.max_width, gap=1):
             yield self._make_table(cells, [column - 1 for column in columns])
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        widths = self._column_widths()
-        outer = self._outer_width()
+        outer, widths = self._measure()
         most = outer + sum(widths) + len(widths)
         return Measurement(outer + max(widths) + 1, most).with_maximum(options.max_width)
 
-    def _outer_width(self) -> int:
-        return max(map(cell_len, [self._heading(), *self._labels()])) + 2
-
-    def _column_widths(self) -> list[int]:
-        return [max(cell_len(shown), self._sign_width() + 3) for shown in self._headers()]
+    def _measure(self) -> tuple[int, list[int]]:
+        """Return the widths of the labels and of each column of cells."""
+        outer = max(map(cell_len, [self.beside, *self.labels])) + 2
+        return outer, [max(cell_len(shown), self._sign_width() + 3) for shown in self.headers]
 
     def _sign_width(self) -> int:
         return max(cell_len(line) for lines in self.signs.values() for line in lines)
 
-    def _headers(self) -> list[str]:
-        return [self.plane.across.show(value) for value in self.plane.columns]
-
-    def _heading(self) -> str:
-        return self.plane.upwards.word if self.plane.upwards else ""
-
-    def _labels(self) -> list[str]:
-        upwards = self.plane.upwards
-        return [upwards.show(value) if upwards else "" for value in self.plane.lines]
-
     def _make_table(self, cells: Mapping[tuple[int, int], Text], columns: Sequence[int]) -> Table:
         table = Table(box=box.SIMPLE, padding=0, header_style="")
-        headers, labels = self._headers(), self._labels()
-        table.add_column(Text(self._heading()), justify="right", overflow="fold")
+        table.add_column(Text(self.beside), justify="right", overflow="fold")
         for column in columns:
-            table.add_column(Text(headers[column], justify="center"), overflow="fold")
+            table.add_column(Text(self.headers[column], justify="center"), overflow="fold")
         hole = Text(NO_RESULT, justify="center")
-        for line in reversed(range(len(labels))):
+        for line in reversed(range(len(self.labels))):
             texts = [cells.get((column, line), hole) for column in columns]
-            table.add_row(Text(labels[line]), *texts)
+            table.add_row(Text(self.labels[line]), *texts)
         return table
 
     def _make_cell(self, row: Row, shaded: bool | None, wide: int) -> Text:
