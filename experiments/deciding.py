@@ -51,7 +51,7 @@ from owtsweep.statistics.deciding import (
     LEVEL,
     LOOKS,
     Rule,
-    _find_factors,
+    find_growth,
     find_level,
     is_below,
 )
@@ -228,7 +228,7 @@ def look_at(
         ]
         whole = [np.concatenate(each) for each in zip(*parts, strict=True)]
         return whole[0], whole[1], whole[2]
-    factors = _find_factors(seen.reshape(-1, records), rule).reshape(count, contenders)
+    factors = find_growth(seen.reshape(-1, records), rule).reshape(count, contenders)
     allowed = np.ones_like(factors) if records >= ENOUGH else factors
     better = is_below(seen[:, :, None] * allowed[:, :, None, None] - seen[:, None], level)
     left = left & ~(better & left[:, :, None]).any(axis=1)

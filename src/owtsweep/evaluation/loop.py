@@ -7,7 +7,7 @@ that comes less often, such as a position from GNSS, is called a fix.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Protocol
 
 import numpy as np
@@ -68,18 +68,14 @@ def run_steps(estimator: Updating, inputs: Array, fixes: Array, *, first: int = 
         trajectory = estimator.run_record(inputs, fixes)
         _check_trajectory(trajectory, len(inputs))
     else:
-        estimates = _update_step_by_step(estimator, inputs, fixes)
+        arrived = np.logical_not(np.isnan(fixes).any(axis=1))
+        steps = zip(inputs, fixes, arrived, strict=True)
+        estimates = (estimator.update(at, fix if there else None) for at, fix, there in steps)
         trajectory = collect(estimates, len(inputs), first)
     finite = np.isfinite(trajectory.state).all(axis=1)
     if not np.all(finite):
         raise ValueError(f"the estimate of step {first + int(np.argmin(finite))} is not finite")
     return trajectory
-
-
-def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> Iterator[object]:
-    arrived = np.logical_not(np.isnan(fixes).any(axis=1))
-    for k, sample in enumerate(inputs):
-        yield estimator.update(sample, fixes[k] if arrived[k] else None)
 
 
 def collect(estimates: Iterable[object], steps: int, first: int = 0) -> Trajectory:
@@ -91,8 +87,7 @@ def collect(estimates: Iterable[object], steps: int, first: int = 0) -> Trajecto
     """
     state = np.empty((steps, 4))
     covariance: Array | None = None
-    innovation: Array | None = None
-    innovation_covariance: Array | None = None
+    innovations: tuple[Array, Array] | None = None  # with their covariances
     for k, estimate in enumerate(estimates):
         if not isinstance(estimate, Estimate):
             raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
@@ -106,16 +101,13 @@ def collect(estimates: Iterable[object], steps: int, first: int = 0) -> Trajecto
             covariance[k] = _check_array(estimate.covariance, (4, 4), "covariance", first + k)
         if estimate.innovation is not None:
             value, weight = estimate.innovation.value, estimate.innovation.covariance
-            if innovation is None or innovation_covariance is None:
+            if innovations is None:
                 m = len(value)
-                innovation = np.full((steps, m), np.nan)
-                innovation_covariance = np.full((steps, m, m), np.nan)
-            m = innovation.shape[1]
-            innovation[k] = _check_array(value, (m,), "innovation", first + k)
-            innovation_covariance[k] = _check_array(
-                weight, (m, m), "innovation's covariance", first + k
-            )
-    return Trajectory(state, covariance, innovation, innovation_covariance)
+                innovations = np.full((steps, m), np.nan), np.full((steps, m, m), np.nan)
+            m = innovations[0].shape[1]
+            innovations[0][k] = _check_array(value, (m,), "innovation", first + k)
+            innovations[1][k] = _check_array(weight, (m, m), "innovation's covariance", first + k)
+    return Trajectory(state, covariance, *(innovations or ()))
 
 
 def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) -> Array:

@@ -108,11 +108,9 @@ def find_best_schemes(
         table["verdict"] = np.where(table["distinguishable"], "won", "open")
         table["best_scheme"], table["look"] = table["best"], 0
         squares = isinstance(criteria, Mapping) and criteria[criterion].values == "square"
-        for name, mean in (
-            ("best", "mse_best"), ("low", "low"), ("high", "high"), ("runner_up", "mse_runner_up"),
-            *([("baseline", "mse_baseline")] if baselines else []),
-        ):  # fmt: skip
-            table[f"error_{name}"] = table[mean].clip(lower=0.0) ** 0.5 if squares else table[mean]
+        for name in ("best", "low", "high", "runner_up", *(["baseline"] if baselines else [])):
+            mean = table[f"mse_{name}"]
+            table[f"error_{name}"] = mean.clip(lower=0.0) ** 0.5 if squares else mean
         if baselines:
             table["baseline_wins"] = holm(table["p_baseline"]) & (table["gain"] > 0.0)
         tables.append(table)

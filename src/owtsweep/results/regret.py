@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -80,8 +80,8 @@ def make_regret(
     for place, cell in whole.groupby(names, sort=True):
         there = cell.droplevel([*names]).reindex(index)
         values = there.to_numpy().reshape(len(cubes), len(schemes), -1)
-        labels = {**dict(zip(names, place, strict=True)), "criterion": judged.name}
-        labels["window"] = judged.window
+        labels: dict[str, Any] = dict(zip(names, place, strict=True))
+        labels |= {"criterion": judged.name, "window": judged.window}
         found = _find_regret(judged.criterion.judge(values), judged.criterion, weights, schemes)
         lines.append(found[0].assign(**labels))
         summaries.append(found[1].assign(**labels))
@@ -214,21 +214,14 @@ def make_map_table(
 
     `kind` is "mean" or "worst". Nobody has won: the column `verdict` is empty.
     """
-    import pandas as pd
-
-    names = [condition.name for condition in conditions]
-    rows = []
-    for place, cell in summary.groupby(names, sort=False):
-        ranked = cell.sort_values(kind, kind="stable")
-        first, second = ranked.iloc[0], ranked.iloc[1] if len(ranked) > 1 else None
-        rows.append({
-            **dict(zip(names, place, strict=True)),
-            "criterion": first["criterion"],
-            "window": first["window"],
-            "best": first["scheme"],
-            "runner_up": "" if second is None else second["scheme"],
-            "error_best": first[kind],
-            "error_runner_up": np.nan if second is None else second[kind],
-            "verdict": "",
-        })  # fmt: skip
-    return pd.DataFrame(rows)
+    cell = [*(condition.name for condition in conditions), "criterion", "window"]
+    ranked = summary.sort_values(kind, kind="stable")
+    rank = ranked.groupby(cell).cumcount()
+    first, second = (
+        ranked.loc[rank == place, [*cell, "scheme", kind]]
+        .sort_index()
+        .rename(columns={"scheme": who, kind: f"error_{who}"})
+        for place, who in enumerate(("best", "runner_up"))
+    )
+    table = first.merge(second, how="left", on=cell)
+    return table.assign(runner_up=table["runner_up"].fillna(""), verdict="")

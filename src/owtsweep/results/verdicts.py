@@ -28,6 +28,7 @@ from owtsweep.statistics.deciding import (
     Decision,
     Rule,
     decide,
+    find_growth,
     find_level,
     find_quantile,
 )
@@ -124,7 +125,7 @@ def _find_run(cube: Cube, rows: pd.DataFrame) -> NDArray[np.bool_]:
     records = int(lines["replicate"].max()) + 1 if len(lines) else 0
     run = np.zeros((*map(len, axes), records), dtype=bool)
     *outer, last = [
-        pd.Index(axis).get_indexer(lines[name].to_numpy())
+        pd.Index(axis).get_indexer(pd.Index(lines[name].to_numpy()))
         for name, axis in zip(names, axes, strict=True)
     ]
     known = np.all([index >= 0 for index in outer], axis=0)
@@ -252,11 +253,7 @@ def _estimate_more(cell: Cell, decision: Decision, rule: Rule, cells: int) -> fl
         return 0.0
     n, best = decision.records, cell.values[decision.best, : decision.records]
     level = find_level(decision.look + 1) / (cells * max(len(cell.names) - 1, 1))
-    mean = float(best.mean())
-    factor = 1.0 + max(
-        rule.margin, rule.floor / np.sqrt(mean) if rule.squared else rule.floor / mean
-    )
-    allowed = mean * ((factor**2 if rule.squared else factor) - 1.0)
+    allowed = float(best.mean() * (find_growth(best[np.newaxis], rule)[0] - 1.0))
     needed = [0.0]
     for i in decision.left:
         if i == decision.best:
@@ -309,8 +306,8 @@ def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd
     floor = np.array([[each.floor] for each in criteria])
     errors = np.where(squares, np.sqrt(np.maximum(values, 0.0)), values)
     least = np.where(np.isfinite(errors), errors, np.inf).min(axis=1, keepdims=True)
-    within = errors <= least + np.maximum(asked.margin * least, floor)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # no error is known, or none is left
+        within = errors <= least + np.maximum(asked.margin * least, floor)
         tied = (within & (np.round(errors / least, 9) > 1.0)).any(axis=1)
     known, simplest = within.any(axis=1), within.argmax(axis=1)
     names = np.array(asked.contenders, dtype=object)

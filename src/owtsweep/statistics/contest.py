@@ -48,7 +48,7 @@ class Contest(NamedTuple):
     n: Number of these replicates.
     best, runner_up: indices of the scheme of least mean and of the runner-up (see `Ranking`).
     mse_best, mse_runner_up: Means of both; the latter is NaN without a runner-up.
-    low, high: Ends of the 95 % confidence interval of `mse_best`; NaN for one replicate.
+    mse_low, mse_high: Ends of the 95 % confidence interval of `mse_best`; NaN for one replicate.
     difference, ci_low, ci_high: `mse_runner_up` minus `mse_best`, and its 95 % confidence interval
         by the paired t-test; NaN without a runner-up.
     p: Two-sided p-value of that test; 1 if there are too few replicates for a test, or all schemes
@@ -61,8 +61,8 @@ class Contest(NamedTuple):
     runner_up: Places
     mse_best: Array
     mse_runner_up: Array
-    low: Array
-    high: Array
+    mse_low: Array
+    mse_high: Array
     difference: Array
     ci_low: Array
     ci_high: Array
@@ -115,8 +115,8 @@ def contest(values: Array) -> Contest:
         runner_up=np.where(second, place, -1),
         mse_best=means[best, cells],
         mse_runner_up=np.where(second, means[place, cells], np.nan),
-        low=means[best, cells] - half,
-        high=means[best, cells] + half,
+        mse_low=means[best, cells] - half,
+        mse_high=means[best, cells] + half,
         difference=difference,
         ci_low=difference - margin,
         ci_high=difference + margin,

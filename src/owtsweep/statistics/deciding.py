@@ -138,7 +138,7 @@ def take_look(seen: Array, names: tuple[int, ...], rule: Rule, level: float) -> 
     seen, names = seen[whole], tuple(np.array(names)[whole].tolist())
     if not names:
         return Decision("none", -1, (), 0, records)
-    factors = _find_factors(seen, rule)
+    factors = find_growth(seen, rule)
     # [i, j]: is i surely better than j, by more than the margin while there are few records
     allowed = np.ones(len(seen)) if records >= ENOUGH else factors
     better = is_below(seen[:, None] * allowed[:, None, None] - seen[None], level)
@@ -155,7 +155,7 @@ def take_look(seen: Array, names: tuple[int, ...], rule: Rule, level: float) -> 
     return Decision("open", least, left, 0, records)
 
 
-def _find_factors(seen: Array, rule: Rule) -> Array:
+def find_growth(seen: Array, rule: Rule) -> Array:
     """Return by which factor the mean of each contender grows if its error grows by the margin."""
     errors = np.sqrt(seen.mean(axis=1)) if rule.squared else np.abs(seen.mean(axis=1))
     with np.errstate(divide="ignore"):
