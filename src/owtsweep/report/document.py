@@ -53,6 +53,12 @@ def make_document(title: str, body: str, data: object = None) -> str:
     )
 
 
+def make_page(title: str, parts: Sequence[str], data: object = None) -> str:
+    """Return a page below its title as one HTML document; `parts` are HTML, the rest as above."""
+    heading = f"<header><h1>{clean(title)}</h1></header>"
+    return make_document(title, "\n".join([heading, "<main>", *parts, "</main>"]), data)
+
+
 def join_scripts() -> str:
     """Return the page's script."""
     joined = "\n".join(read_asset(name) for name in SCRIPTS)

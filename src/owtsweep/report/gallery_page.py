@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from owtsweep.errors import printable
-from owtsweep.report.document import clean, make_document, make_picture
+from owtsweep.report.document import clean, make_page, make_picture
 
 INDEX = "index.html"
 #: Width of a small picture, in pixels.
@@ -21,12 +21,8 @@ def make_gallery(title: str, figures: Sequence[Path]) -> str:
     figures: PNG files that lie beside the index, the most useful one first. The sentence is the
         title stored in the file.
     """
-    items = [_show(path) for path in figures]
-    body = (
-        f"<header><h1>{clean(title)}</h1></header>\n<main>"
-        f'<ul class="gallery">{"".join(items)}</ul></main>'
-    )
-    return make_document(title, body)
+    items = "".join(_show(path) for path in figures)
+    return make_page(title, [f'<ul class="gallery">{items}</ul>'])
 
 
 def _show(path: Path) -> str:

@@ -11,7 +11,7 @@ import pandas as pd
 
 from owtsweep.figures.margin import FULL, PALEST
 from owtsweep.report.data import make_part
-from owtsweep.report.document import clean, make_document, make_picture, make_table, read_asset
+from owtsweep.report.document import clean, make_page, make_picture, make_table, read_asset
 from owtsweep.report.static_map import draw, list_legend
 from owtsweep.results.conditions import show_value
 from owtsweep.results.contents import Contents
@@ -77,7 +77,7 @@ def make_run_page(
         for tuning, part in shown.items()
         if part.contents is not None and len(part.contents.cells)
     }
-    parts = [_write_answer(title, shown)]
+    parts = [_write_answer(shown)]
     data = None
     if mapped:
         parts.append(_write_map(mapped, extras.names))
@@ -90,11 +90,11 @@ def make_run_page(
     for caption, table in extras.tables.items():
         parts.append(write_section(caption, scroll(caption, tabulate(caption, table))))
     parts.append(_write_origin(origin))
-    return make_document(title, "\n".join(parts), data)
+    return make_page(title, parts, data)
 
 
-def _write_answer(title: str, shown: Mapping[str, Shown]) -> str:
-    parts = [f"<header><h1>{clean(title)}</h1></header>", "<main>"]
+def _write_answer(shown: Mapping[str, Shown]) -> str:
+    parts = []
     for tuning, part in shown.items():
         heading = f"<h2>Tuning {clean(tuning)}</h2>" if len(shown) > 1 else ""
         label = f"Answer, tuning {clean(tuning)}" if len(shown) > 1 else "Answer"
@@ -197,5 +197,5 @@ def _write_origin(origin: Origin) -> str:
         f"<dl>{facts}</dl>\n<h3>The command that makes it again</h3>\n"
         f"<pre>{clean_lines(origin.command)}</pre>\n"
         "<details><summary>Configuration</summary>"
-        f"<pre>{clean_lines(origin.config)}</pre></details></section>\n</main>"
+        f"<pre>{clean_lines(origin.config)}</pre></details></section>"
     )

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 import pandas as pd
 
-from owtsweep.report.document import clean, frame_table, make_document, make_picture
+from owtsweep.report.document import clean, frame_table, make_page, make_picture
 from owtsweep.report.run_page import scroll, tabulate, write_section
 
 
@@ -28,12 +28,8 @@ def make_multirun_page(
         lines.append(f'<th scope="row">{named}</th>{cells}')
     table = frame_table("", header, lines)
     note = "Each run is decided for itself: at 95 % over its own map, not over all maps together."
-    body = (
-        f"<header><h1>{clean(title)}</h1></header>\n<main>"
-        + write_section("Which is best in how many cells", scroll("Runs", table))
-        + f'<p class="note">{note}</p></main>'
-    )
-    return make_document(title, body)
+    section = write_section("Which is best in how many cells", scroll("Runs", table))
+    return make_page(title, [section, f'<p class="note">{note}</p>'])
 
 
 def make_comparison_page(
@@ -53,7 +49,6 @@ def make_comparison_page(
     """
     shown = [f'<p class="note">{clean(note)}</p>' for note in notes]
     parts = [
-        f"<header><h1>{clean(title)}</h1></header>\n<main>",
         f'<p class="origin">{clean(origin)}</p>',
         write_section(
             "Runs", scroll("Runs", tabulate("A line per run", overview)) + "".join(shown)
@@ -67,4 +62,4 @@ def make_comparison_page(
         for name, table in tables.items()
         if len(table)
     ]
-    return make_document(title, "\n".join([*parts, "</main>"]))
+    return make_page(title, parts)
