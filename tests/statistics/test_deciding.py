@@ -20,14 +20,24 @@ from experiments.deciding import (
 from owtsweep.statistics.deciding import (
     LEVEL,
     LOOKS,
+    Decision,
     Rule,
     decide,
     find_level,
-    follow_looks,
     is_below,
 )
 
 RULE = Rule()
+
+
+def follow_looks(values, rule, cells, run=None) -> list[Decision]:
+    """Return what is known after each look, to the last one."""
+    found = (
+        decide(values[:, :records], rule, cells, None if run is None else run[:, :records])
+        for records in LOOKS
+        if records <= values.shape[1]
+    )
+    return [look for look in dict.fromkeys(found) if look.look > 0]
 
 
 def test_levels_of_all_looks_are_the_level_of_the_map() -> None:
@@ -70,10 +80,10 @@ def test_equally_good_contenders_are_a_tie_for_the_simplest_but_not_before_32_re
     random = np.random.default_rng(2)
     shared = random.gamma(5.0, size=256)
     values = shared * np.exp(random.normal(0.0, 0.002, (3, 256)))
-    looks = list(follow_looks(values, RULE, 60))
+    looks = follow_looks(values, RULE, 60)
     assert [look.verdict for look in looks] == ["open", "open", "tie"]
     assert looks[-1].best == 0
-    early = list(follow_looks(values, RULE._replace(ties_from=16), 60))
+    early = follow_looks(values, RULE._replace(ties_from=16), 60)
     assert [look.verdict for look in early] == ["open", "tie"]
     # 8 % worse by the error is more than the margin, by the square it is less
     worse = values * np.array([[1.08], [1.0], [1.0]])
@@ -86,7 +96,7 @@ def test_a_contender_that_fails_leaves_and_all_may_fail() -> None:
     values = np.ones((2, 40)) * np.array([[1.0], [2.0]])
     values[0, 20] = np.nan
     values[:, :20] = np.random.default_rng(4).gamma(1.0, size=(2, 20))
-    looks = list(follow_looks(values, RULE, 60))
+    looks = follow_looks(values, RULE, 60)
     assert looks[2].verdict == "won"
     assert looks[2].best == 1
     assert decide(np.full((2, 8), np.nan), RULE, 1).verdict == "none"
@@ -97,8 +107,8 @@ def test_more_records_continue_a_contest_and_change_no_decision() -> None:
     random = np.random.default_rng(5)
     for _ in range(50):
         values = draw_lognormal(random, 512, 0.2).values
-        short = list(follow_looks(values[:, :128], RULE._replace(most=128), CELLS))
-        long = list(follow_looks(values, RULE._replace(most=512), CELLS))
+        short = follow_looks(values[:, :128], RULE._replace(most=128), CELLS)
+        long = follow_looks(values, RULE._replace(most=512), CELLS)
         assert long[: len(short)] == short
         seen = decide(values[:, : long[-1].records], RULE._replace(most=512), CELLS)
         assert seen == long[-1]
@@ -114,7 +124,7 @@ def test_there_is_no_look_at_records_that_were_not_run() -> None:
     values = np.random.default_rng(7).gamma(5.0, size=(2, 32))
     run = np.ones((2, 32), dtype=bool)
     run[1, 12] = False
-    looks = list(follow_looks(values, RULE, 60, run))
+    looks = follow_looks(values, RULE, 60, run)
     assert [look.records for look in looks] == [8]
 
 
@@ -153,7 +163,7 @@ def test_the_experiment_decides_many_cells_as_the_rule_decides_each(rule: Rule) 
     assert found.best.tolist() == [one.best for one in each]
     assert found.stop.tolist() == [one.records for one in each]
     for cell, runs in zip(values, found.runs, strict=True):
-        looks = list(follow_looks(cell, rule, CELLS))
+        looks = follow_looks(cell, rule, CELLS)
         assert runs == sum(
             next((look.records for look in looks if i not in look.left), looks[-1].records)
             for i in range(len(cell))

@@ -129,7 +129,7 @@ def divide_crossings(
     samples = _resample_crossings(*above, apart=apart), _resample_crossings(*below)
     with np.errstate(divide="ignore", invalid="ignore"):
         low, high = percentile_interval(samples[0] / samples[1])
-    return a / b, low, high
+    return a / b, float(low), float(high)
 
 
 def _find_mean_crossing(products: Array) -> float:

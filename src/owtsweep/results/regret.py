@@ -104,7 +104,7 @@ def _find_regret(
     """
     import pandas as pd
 
-    count, each_world = len(schemes), np.array([*weights.values()])
+    count, weight = len(schemes), np.array([*weights.values()])
     names, worlds = np.array(schemes, dtype=object), np.array([*weights], dtype=object)
     finite = np.isfinite(values)
     takes_part = finite.any(axis=-1, keepdims=True)
@@ -114,10 +114,11 @@ def _find_regret(
     error = criterion.express(shared.mean(axis=-1)) if n else np.full(values.shape[:2], np.nan)
     regret, regrets = _divide(error), _divide(criterion.express(np.stack(drawn, axis=1)))
     known = np.where(np.isfinite(error), error, np.inf)
+    # of each world
     low, high = _find_ranges(regrets)
     of_worlds = pd.DataFrame({
         "world": np.repeat(worlds, count),
-        "weight": np.repeat(each_world, count),
+        "weight": np.repeat(weight, count),
         "scheme": np.tile(names, len(worlds)),
         "error": error.ravel(),
         "least": np.repeat(known.min(axis=1), count),
@@ -127,8 +128,9 @@ def _find_regret(
         "high": high.ravel(),
         "n": n,
     })  # fmt: skip
-    mean, worst = np.tensordot(each_world, regret, 1), regret.max(axis=0)
-    mean_low, mean_high = _find_ranges(np.einsum("w,dws->ds", each_world, regrets))
+    # over the worlds
+    mean, worst = np.tensordot(weight, regret, 1), regret.max(axis=0)
+    mean_low, mean_high = _find_ranges(np.einsum("w,dws->ds", weight, regrets))
     worst_low, worst_high = _find_ranges(regrets.max(axis=1))
     there = np.isfinite(worst)
     least_mean, least_worst = (
@@ -161,11 +163,7 @@ def _find_ranges(draws: Array) -> Array:
     """Return the ends of the central 95 % of draws (draws, ...), shape (2, ...)."""
     if len(draws) == 0:
         return np.full((2, *draws.shape[1:]), np.nan)
-    flat = draws.reshape(len(draws), -1).T
-    ends = [
-        percentile_interval(each) if np.isfinite(each).all() else (np.nan, np.nan) for each in flat
-    ]
-    return np.array(ends).T.reshape(2, *draws.shape[1:])
+    return np.where(np.isfinite(draws).all(axis=0), percentile_interval(draws), np.nan)
 
 
 def tell_regret(tables: Mapping[str, pd.DataFrame]) -> list[str]:

@@ -18,7 +18,6 @@ removal of skewness by transformation, J. R. Statist. Soc. B 54(1).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -84,10 +83,10 @@ def find_level(look: int) -> float:
     return LEVEL * 2.0 / ((look + 1.0) * (look + 2.0))
 
 
-def follow_looks(
-    values: Array, rule: Rule, cells: int, run: NDArray[np.bool_] | None = None
-) -> Iterator[Decision]:
-    """Yield what is known of a cell after each look that its records allow, to the last one.
+def decide(values: Array, rule: Rule, cells: int, run: NDArray[np.bool_] | None = None) -> Decision:
+    """Return what is known of a cell after the last look that its records allow.
+
+    Before the first look the cell is open, and nobody is best.
 
     values: shape (contenders, records), the simplest contender first, records in the order in
         which they were made; NaN where a contender failed, or was not run.
@@ -101,29 +100,17 @@ def follow_looks(
         raise ValueError(f"most: {rule.most} is not the number of records of a look")
     contenders, there = values.shape
     tests = cells * max(contenders - 1, 1)
-    left = tuple(range(contenders))
+    found = Decision("open", -1, tuple(range(contenders)), 0, 0)
     for number, records in enumerate(LOOKS, start=1):
-        chosen = list(left)
+        chosen = list(found.left)
         if records > min(there, rule.most) or not (run is None or run[chosen, :records].all()):
-            return
+            break
         seen = values[chosen, :records]
-        found = take_look(seen, left, rule, find_level(number) / tests)._replace(look=number)
-        yield found
+        level = find_level(number) / tests
+        found = take_look(seen, found.left, rule, level)._replace(look=number)
         if found.verdict != "open":
-            return
-        left = found.left
-
-
-def decide(values: Array, rule: Rule, cells: int, run: NDArray[np.bool_] | None = None) -> Decision:
-    """Return what is known of a cell after the last look; arguments as for `follow_looks`.
-
-    Before the first look the cell is open, and nobody is best.
-    """
-    *_, last = (
-        Decision("open", -1, tuple(range(len(values))), 0, 0),
-        *follow_looks(values, rule, cells, run),
-    )
-    return last
+            break
+    return found
 
 
 def take_look(seen: Array, names: tuple[int, ...], rule: Rule, level: float) -> Decision:

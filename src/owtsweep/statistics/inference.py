@@ -129,13 +129,13 @@ def resample_means(records: Array, key: Sequence[int]) -> Array:
     return np.asarray(records[draws].mean(axis=1))
 
 
-def percentile_interval(samples: Array) -> tuple[float, float]:
-    """Return the ends of the interval that holds the central 95 % of the samples: lower, upper.
+def percentile_interval(samples: Array) -> Array:
+    """Return the ends of the intervals that hold the central 95 % of the samples: lower, upper.
 
-    A NaN sample counts as -infinity for the lower end and as infinity for the upper end. A lower
-    end of -infinity is returned as NaN.
+    `samples` has the shape (n, ...), the result (2, ...). A NaN sample counts as -infinity for the
+    lower end and as infinity for the upper end. A lower end of -infinity is returned as NaN.
     """
     tail, none = 0.5 * (1.0 - CONFIDENCE), np.isnan(samples)
-    low = np.quantile(np.where(none, -np.inf, samples), tail, method="lower")
-    high = np.quantile(np.where(none, np.inf, samples), 1.0 - tail, method="higher")
-    return float(low if low > -np.inf else np.nan), float(high)
+    low = np.quantile(np.where(none, -np.inf, samples), tail, axis=0, method="lower")
+    high = np.quantile(np.where(none, np.inf, samples), 1.0 - tail, axis=0, method="higher")
+    return np.stack([np.where(low > -np.inf, low, np.nan), high])

@@ -6,6 +6,7 @@ Some sections of the page are the same for every study.
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -80,12 +81,9 @@ def write_verdicts(
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
     """Count the statements by verdict, in words, e.g. "9 reproduced, 2 undecided"."""
-    verdicts = [statement.verdict for statement in judged]
-    return ", ".join(
-        f"{verdicts.count(verdict)} {verdict}"
-        for verdict in (REPRODUCED, NOT_REPRODUCED, UNDECIDED, MISSING)
-        if verdict in verdicts
-    )
+    counts = Counter(statement.verdict for statement in judged)
+    order = (REPRODUCED, NOT_REPRODUCED, UNDECIDED, MISSING)
+    return ", ".join(f"{counts[verdict]} {verdict}" for verdict in order if verdict in counts)
 
 
 def short_section(
