@@ -143,7 +143,10 @@ def take_look(seen: Array, names: tuple[int, ...], rule: Rule, level: float) -> 
 
 
 def find_growth(seen: Array, rule: Rule) -> Array:
-    """Return by which factor the mean of each contender grows if its error grows by the margin."""
+    """Return by which factor the mean of each contender grows if its error grows by the margin.
+
+    `seen` has the shape (contenders, records), the result (contenders,).
+    """
     errors = np.sqrt(seen.mean(axis=1)) if rule.squared else np.abs(seen.mean(axis=1))
     with np.errstate(divide="ignore"):
         share = 1.0 + np.maximum(rule.margin, np.divide(rule.floor, errors))
