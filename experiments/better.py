@@ -26,7 +26,6 @@ import owtsweep
 from experiments.command import read_words, write
 from owtsweep.arrays import Array
 from owtsweep.figures import style
-from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import (
     BOUNDED,
@@ -93,7 +92,7 @@ def roll_off(config: HubConfig, natural_period: float, known: KnownMotion) -> Kn
     There it falls with f^4 towards 0 and with f^-4 upwards. Far above the band it falls with f^-8:
     with f^-4 for ever, the acceleration would have no finite variance.
     """
-    shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
+    shape = config.spectrum.at(natural_period)
     first, last = config.band
     count = np.ceil(REACH_OF_ROLL_OFF * last / known.spacing)
     frequency = known.spacing * (np.arange(count) + 0.5)
