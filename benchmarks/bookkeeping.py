@@ -29,7 +29,7 @@ from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.shard import encode
+from owtsweep.sweep.store import encode
 
 BLOCKS = 240
 GOAL_MS = 2.0

@@ -29,7 +29,7 @@ from owtsweep.sweep.plan import count_cases, make_plan
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.shard import encode
+from owtsweep.sweep.store import encode
 
 
 class Clock:

@@ -7,7 +7,7 @@ import logging
 import pytest
 
 from owtsweep.sweep import log
-from owtsweep.sweep.log import MOST_ENTRIES, collect_entries, run_log
+from owtsweep.sweep.log import MOST_RECORDS, collect_records, run_log
 from owtsweep.sweep.run import sweep
 
 
@@ -27,11 +27,11 @@ def test_records_of_workers_arrive_with_their_block(faulty, config, backend, wor
 
 def test_a_chatty_task_is_cut(monkeypatch):
     logger = logging.getLogger("owtsweep.chatty")
-    with collect_entries(True) as records:
-        for number in range(MOST_ENTRIES + 7):
+    with collect_records(True) as records:
+        for number in range(MOST_RECORDS + 7):
             logger.info("line %d", number)
-    assert len(records) == MOST_ENTRIES + 1
-    assert records[-1].message == "7 more messages of this task were left out"
+    assert len(records) == MOST_RECORDS + 1
+    assert records[-1].getMessage() == "7 more messages of this task were left out"
 
 
 HOSTILE = "red \x1b[31m\n2026-01-01T00:00:00Z INFO done: \u202e"
@@ -42,7 +42,7 @@ def test_every_line_is_printable_and_none_is_forged(tmp_path, elsewhere, monkeyp
     monkeypatch.setattr(logging.root, "handlers", [])  # those of pytest raise
     theirs = logging.getLogger("theirs")
     with run_log(tmp_path):
-        with collect_entries(elsewhere) as entries:
+        with collect_records(elsewhere) as records:
             theirs.warning(HOSTILE)
             theirs.warning("%d", HOSTILE)  # its arguments do not fit: no fault of the sweep's
             try:
@@ -51,7 +51,7 @@ def test_every_line_is_printable_and_none_is_forged(tmp_path, elsewhere, monkeyp
                 theirs.exception("caught")
         if elsewhere:
             (tmp_path / "run.log").write_text("")
-            log.repeat(entries)
+            log.repeat(records)
     lines = (tmp_path / "run.log").read_text().splitlines()
     assert all(line.isprintable() for line in lines)
     new = [line for line in lines if not line.startswith("  ")]

@@ -9,7 +9,7 @@ import pytest
 
 from owtsweep.sweep.rows import WrongRows, needed_columns
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.shard import encode
+from owtsweep.sweep.store import encode
 
 
 @pytest.fixture

@@ -15,9 +15,8 @@ import pytest
 
 from owtsweep.api import load
 from owtsweep.errors import InputError
-from owtsweep.sweep import provenance
 from owtsweep.sweep.keys import run_folder, run_hash
-from owtsweep.sweep.provenance import git_state
+from owtsweep.sweep.manifest import SLOWEST, git_state, summarise_seconds
 from owtsweep.sweep.run import sweep
 
 
@@ -94,8 +93,8 @@ def test_manifest_holds_seconds_per_block_of_all_sweeps(study, config, monkeypat
     assert blocks["each"]["C1.0"] >= 0.02
     assert next(iter(blocks["slowest"])) in ("C1.0", "C2.0")
     assert outcome.computed == 0
-    many = provenance.summarise_seconds({f"block {i:04}": float(i) for i in range(2000)})
-    assert (many["count"], many["each"], len(many["slowest"])) == (2000, {}, provenance.SLOWEST)
+    many = summarise_seconds({f"block {i:04}": float(i) for i in range(2000)})
+    assert (many["count"], many["each"], len(many["slowest"])) == (2000, {}, SLOWEST)
     assert (many["median"], many["slowest"]["block 1999"]) == (999.5, 1999.0)
 
 
@@ -146,7 +145,7 @@ def test_git_that_is_not_there_is_no_error(tmp_path, monkeypatch):
     def absent(*arguments, **options):
         raise FileNotFoundError("git")
 
-    monkeypatch.setattr(provenance.subprocess, "run", absent)
+    monkeypatch.setattr("owtsweep.sweep.manifest.subprocess.run", absent)
     assert git_state(tmp_path) is None
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 
-from owtsweep.sweep import shard
+from owtsweep.sweep import store
 from owtsweep.sweep.rows import WrongRows
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
@@ -30,10 +30,10 @@ def reseal(run: Run, change: Change, monkeypatch: pytest.MonkeyPatch) -> None:
     """Seal other rows in place of those of the run's first block."""
     key = next(iter(run.plan()))
     path = run.store.path(key)
-    rows = shard.decode(path.read_bytes(), key, {}).to_pandas()
+    rows = store.decode(path.read_bytes(), key, {}).to_pandas()
     with monkeypatch.context() as patch:
-        patch.setattr(shard, "check_columns", lambda *_: None)
-        path.write_bytes(shard.encode(key, change(rows), {"schema_version": "\x1b"}))
+        patch.setattr(store, "check_columns", lambda *_: None)
+        path.write_bytes(store.encode(key, change(rows), {"schema_version": "\x1b"}))
 
 
 def repeat(rows: pd.DataFrame) -> pd.DataFrame:
@@ -148,7 +148,7 @@ def test_text_that_is_no_text_is_damage(run, monkeypatch, caplog):
 def test_a_study_cannot_store_what_could_not_be_read(study, config):
     rows = pd.DataFrame({"when": pd.to_datetime(["2020-01-01"])})
     with pytest.raises(WrongRows, match=r"column when holds timestamp\[.*\]; a column holds text"):
-        shard.encode("0" * 32, rows, {})
+        store.encode("0" * 32, rows, {})
 
 
 def test_the_reason_of_a_stranger_is_one_printable_line(run, monkeypatch):

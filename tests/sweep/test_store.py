@@ -9,8 +9,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from owtsweep.sweep.shard import encode
-from owtsweep.sweep.store import Store
+from owtsweep.sweep.store import Store, encode
 
 KEY = "0" * 31 + "1"
 OTHER = "0" * 31 + "2"

@@ -21,7 +21,7 @@ from owtsweep import compiled  # in this form the module counts as no source of 
 from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback, WrongRows
-from owtsweep.sweep.shard import DamagedShard, decode
+from owtsweep.sweep.store import DamagedShard, decode
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,
     Local,

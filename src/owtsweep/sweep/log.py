@@ -10,36 +10,20 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.errors import as_text, printable
 from owtsweep.io.files import unwritable
 
-#: Most log entries of a task that its worker sends back; a scheme may warn at every step.
-MOST_ENTRIES = 50
-
+#: Most messages of a task that its worker sends back; a scheme may warn at every step.
+MOST_RECORDS = 50
 
 _label = ContextVar("label", default="")  # each thread has its own
 _capturing = threading.Lock()
 _captures = 0
-
-
-@dataclass(frozen=True)
-class LogEntry:
-    """A logged message that a worker sends back; it has plain values, so that it can be pickled.
-
-    `name` is the logger's name, `level` the level of Python's logging, and `created` the time in
-    seconds since 1970.
-    """
-
-    name: str
-    level: int
-    created: float
-    message: str
 
 
 def working_on(label: str) -> None:
@@ -60,7 +44,7 @@ def run_log(folder: Path) -> Iterator[None]:
         handler = _Quiet(folder / "run.log", encoding="utf-8")
     except OSError as error:
         raise unwritable(folder, error) from error
-    formatter = _Labelled("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%dT%H:%M:%SZ")
+    formatter = Lines("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%dT%H:%M:%SZ", _label_text)
     formatter.converter = time.gmtime
     handler.setFormatter(formatter)
     try:
@@ -71,34 +55,31 @@ def run_log(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
+def collect_records(elsewhere: bool) -> Iterator[list[logging.LogRecord]]:
     """Yield a list that receives what the current thread logs while the context is open.
 
+    The records are plain: a text with its label, without arguments, so that they can be pickled.
     `elsewhere` says whether the thread runs in another process than the sweep. If `elsewhere` is
     False, the list stays empty, because the sweep's `run_log` receives the messages itself. The
-    list has at most `MOST_ENTRIES` messages. If more were logged, a last message says how many were
+    list has at most `MOST_RECORDS` messages. If more were logged, a last message says how many were
     left out.
     """
-    entries: list[LogEntry] = []
+    records: list[logging.LogRecord] = []
     if not elsewhere:
-        yield entries
+        yield records
         return
-    handler = _Collector(entries)
+    handler = _Collector(records)
     with _listening(handler):
-        yield entries
+        yield records
     if handler.dropped:
         text = f"{handler.dropped} more messages of this task were left out"
-        entries.append(LogEntry("owtsweep", logging.WARNING, time.time(), text))
+        records.append(_make_plain("owtsweep", logging.WARNING, time.time(), text))
 
 
-def repeat(entries: Sequence[LogEntry]) -> None:
-    """Log the entries that a worker has sent back, with their original times."""
-    for entry in entries:
-        logger = logging.getLogger(entry.name)
-        copy = logger.makeRecord(entry.name, entry.level, "", 0, entry.message, (), None)
-        copy.created = entry.created
-        copy.from_worker = True
-        logger.handle(copy)
+def repeat(records: Sequence[logging.LogRecord]) -> None:
+    """Log the records that a worker has sent back, with their original times."""
+    for record in records:
+        logging.getLogger(record.name).handle(record)
 
 
 @contextmanager
@@ -138,28 +119,39 @@ class _Quiet(logging.FileHandler):
 
 
 class _Collector(logging.Handler):
-    def __init__(self, entries: list[LogEntry]) -> None:
+    def __init__(self, records: list[logging.LogRecord]) -> None:
         super().__init__()
-        self.entries = entries
+        self.records = records
         self.dropped = 0
         self._thread = threading.get_ident()
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.thread != self._thread:
             return
-        if len(self.entries) >= MOST_ENTRIES:
+        if len(self.records) >= MOST_RECORDS:
             self.dropped += 1
             return
-        text = _text(record)
-        self.entries.append(LogEntry(record.name, record.levelno, record.created, text))
+        text = _label_text(record)
+        self.records.append(_make_plain(record.name, record.levelno, record.created, text))
+
+
+def _make_plain(name: str, level: int, created: float, text: str) -> logging.LogRecord:
+    """Return a record of a worker; `created` is in seconds since 1970."""
+    record = logging.LogRecord(name, level, "", 0, text, None, None)
+    record.created = created
+    record.from_worker = True
+    return record
 
 
 def _wanted(record: logging.LogRecord) -> bool:
     return record.name.split(".")[0] == "owtsweep" or record.levelno >= logging.WARNING
 
 
-def _text(record: logging.LogRecord) -> str:
+def _label_text(record: logging.LogRecord) -> str:
+    """Return a record's message after the label that `working_on` has set; a worker's has it."""
     label, text = _label.get(), read_message(record)
+    if "from_worker" in vars(record):
+        return text
     if record.name == "py.warnings":
         text = " ".join(text.split())
     return f"{label}: {text}" if label else text
@@ -177,22 +169,20 @@ class Lines(logging.Formatter):
     """A logging formatter that turns a log record into printable lines.
 
     The first line of a message is not indented. All further lines are, so that none of them looks
-    like a new message.
+    like a new message. `read` returns the text to write as a record's message.
     """
+
+    def __init__(
+        self,
+        form: str,
+        times: str | None = None,
+        read: Callable[[logging.LogRecord], str] = read_message,
+    ) -> None:
+        super().__init__(form, times)
+        self._read = read
 
     def format(self, record: logging.LogRecord) -> str:
         """Return the record's lines, joined by line breaks; a traceback's lines are included."""
-        plain = logging.makeLogRecord({**vars(record), "msg": self.text(record), "args": None})
+        plain = logging.makeLogRecord({**vars(record), "msg": self._read(record), "args": None})
         first, *more = super().format(plain).splitlines()
         return "\n".join([printable(first), *(f"  {printable(line)}" for line in more)])
-
-    def text(self, record: logging.LogRecord) -> str:
-        """Return the text to write as the record's message; a subclass may override this method."""
-        return read_message(record)
-
-
-class _Labelled(Lines):
-    """The formatter of run.log, which adds to a message the label that `working_on` has set."""
-
-    def text(self, record: logging.LogRecord) -> str:
-        return read_message(record) if "from_worker" in vars(record) else _text(record)

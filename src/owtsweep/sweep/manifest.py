@@ -1,18 +1,176 @@
-"""Reads manifest.json of a run folder, which may be another person's, and what it leaves out."""
+"""Makes and reads manifest.json: how a run was made, without names of users and machines.
+
+A manifest that is read may be another person's.
+"""
 
 from __future__ import annotations
 
 import os
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from pathlib import Path
+from statistics import median
 
+from owtsweep._version import __version__
 from owtsweep.config import Config, Plain, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json
+from owtsweep.sweep.keys import list_versions, run_hash
+from owtsweep.sweep.plan import digest
+from owtsweep.sweep.study import Study
 
 MANIFEST = "manifest.json"
 #: Most bytes of a manifest: far more than a configuration and the seconds of all blocks take.
 MOST_BYTES = 50_000_000
+#: Packages whose version can change a number or a file.
+PACKAGES = (
+    "numpy", "scipy", "pandas", "pyarrow", "numba", "casadi", "filterpy", "joblib", "hydra-core",
+)  # fmt: skip
+CLUSTER_PACKAGES = ("dask", "distributed")
+#: Up to this number of blocks, the manifest lists each block's seconds; above, a summary only.
+MOST_BLOCKS = 1000
+SLOWEST = 10
+
+
+def start_manifest(
+    study: Study,
+    config: Config,
+    text: str,
+    argv: Sequence[str] | None,
+    backend: str,
+    workers: int,
+) -> dict[str, object]:
+    """Return the manifest of a run that begins now, as plain JSON data; `state` is "running".
+
+    study, config: the study and its configuration.
+    text: the text of config.yaml.
+    argv: the arguments of the command line, or None if the run was started from Python.
+    backend, workers: What ran the tasks, and the number of its workers (0: all workers of a
+        cluster).
+    """
+    packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
+    return {
+        "state": "running",
+        "owtsweep": __version__,  # the version of this code, even if it is not installed
+        "git": git_state(Path(__file__).resolve().parents[1]),
+        "python": platform.python_version(),
+        "packages": {name: _find_version(name) for name in packages},
+        # Not platform.node() or platform.uname(): they name the machine.
+        "platform": {
+            "system": platform.system(),
+            "release": platform.release(),
+            "machine": platform.machine(),
+            "cores": os.cpu_count(),
+        },
+        **list_versions(study),
+        "config_hash": run_hash(config),
+        "config_digest": digest(text),
+        "config": without_places(config),
+        "seed": config.seed,
+        "argv": None if argv is None else list(argv),
+        "backend": backend,
+        "workers": workers,
+        "started": _now(),
+        "ended": None,
+        "seconds": None,
+        "cases": None,
+        "blocks": None,
+    }
+
+
+def finish_manifest(
+    manifest: dict[str, object],
+    state: str,
+    seconds: float,
+    cases: Mapping[str, int],
+    blocks: Mapping[str, float],
+) -> dict[str, object]:
+    """Return the manifest of a run that ends now.
+
+    manifest: the manifest that `start_manifest` made.
+    state: "done" if no case failed, "incomplete" if a case failed, "interrupted" after Ctrl-C, or
+        "error" after another exception.
+    seconds: Wall time of the sweep, s.
+    cases: "computed", "reused" and "failed" -> number of cases.
+    blocks: Label of a block (unit of work) -> computing time of the block, s.
+    """
+    return {
+        **manifest,
+        "state": state,
+        "ended": _now(),
+        "seconds": round(seconds, 3),
+        "cases": dict(cases),
+        "blocks": summarise_seconds(blocks),
+    }
+
+
+def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, object]:
+    """Summarise computing times: number of blocks, sum, median, and the slowest blocks.
+
+    `blocks` maps the label of each block (unit of work) to the block's computing time in s. The
+    summary lists each block's time only if there are at most `MOST_BLOCKS` blocks.
+    """
+    slowest = sorted(blocks, key=lambda label: (-blocks[label], label))[:SLOWEST]
+    listed = sorted(blocks) if len(blocks) <= MOST_BLOCKS else []
+    return {
+        "count": len(blocks),
+        "seconds": round(sum(blocks.values()), 3),
+        "median": round(median(blocks.values()), 4) if blocks else None,
+        "slowest": {label: round(blocks[label], 4) for label in slowest},
+        "each": {label: round(blocks[label], 4) for label in listed},
+    }
+
+
+def git_state(package: Path) -> dict[str, str | bool] | None:
+    """Return the git commit of the package's sources, and whether the sources have been changed.
+
+    The result is {"commit": hash, "dirty": whether files in src or conf differ from the commit}.
+    `package` is the folder of the package. The result is None if git fails, or if this folder is
+    not `src/<package>` below the root of a git repository. So a repository that only contains an
+    environment with the installed package does not count.
+    """
+    root = _git(package, "rev-parse", "--show-toplevel")
+    if not root or Path(root.strip()).resolve() / "src" / package.name != package:
+        return None
+    commit = _git(package, "rev-parse", "--verify", "HEAD")
+    changes = _git(Path(root.strip()), "status", "--porcelain", "--", "src", "conf")
+    if not commit or changes is None:
+        return None
+    return {"commit": commit.strip(), "dirty": changes != ""}
+
+
+@cache
+def _find_version(package: str) -> str | None:
+    """Return the installed version of a package; None if the package is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(folder), *arguments],
+            capture_output=True,
+            text=True,
+            timeout=10.0,
+            check=True,
+            # Without this git may take a lock that delays git commands of the user.
+            env={**os.environ, "GIT_OPTIONAL_LOCKS": "0"},
+        )
+    except (OSError, subprocess.SubprocessError, UnicodeDecodeError):
+        return None
+    return done.stdout
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def read_earlier_seconds(folder: Path) -> dict[str, float]:

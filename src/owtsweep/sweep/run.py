@@ -17,11 +17,16 @@ from owtsweep.sweep import asked
 from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.gather import Results, join_tables
 from owtsweep.sweep.log import repeat, run_log
-from owtsweep.sweep.manifest import MANIFEST, read_earlier_seconds, was_running
+from owtsweep.sweep.manifest import (
+    MANIFEST,
+    finish_manifest,
+    read_earlier_seconds,
+    start_manifest,
+    was_running,
+)  # fmt: skip
 from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, dump_plan, make_tasks, plan_look
 from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
-from owtsweep.sweep.provenance import finish_manifest, start_manifest
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Run, plan_run
 from owtsweep.sweep.study import UNABLE, Study, blame
@@ -111,7 +116,9 @@ class _Sweep:
         earlier = read_earlier_seconds(self.run.folder) | read_earlier_seconds(own)
         others = was_running(self.run.folder)
         backend, workers = self.executor.work.backend, self.executor.workers
-        manifest = start_manifest(self.run, text, self.argv, backend, workers)
+        manifest = start_manifest(
+            self.run.study, self.run.config, text, self.argv, backend, workers
+        )
         self._write_manifest(manifest)
         state = "error"
         try:
@@ -205,7 +212,7 @@ class _Sweep:
             logger.warning("%d stored cases are recomputed: %s", cases, reason)
 
     def _take(self, result: TaskResult) -> None:
-        repeat(result.entries)
+        repeat(result.records)
         self.computed += result.computed
         self.reused += result.reused
         self.seconds.update(result.seconds)

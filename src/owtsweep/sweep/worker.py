@@ -17,6 +17,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from logging import LogRecord
 from typing import TYPE_CHECKING
 
 from owtsweep._version import __version__
@@ -24,11 +25,10 @@ from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key, list_versions
-from owtsweep.sweep.log import LogEntry, collect_entries, working_on
+from owtsweep.sweep.log import collect_records, working_on
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
-from owtsweep.sweep.shard import encode
-from owtsweep.sweep.store import Store
+from owtsweep.sweep.store import Store, encode
 from owtsweep.sweep.study import FAILED, Block, Study
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class TaskResult:
     details: Tracebacks of failed blocks; "" if no block raised an exception.
     seconds: Label of each computed block -> its computing time in s.
     returned: Shards that the process which started the sweep must store.
-    entries: Messages logged in another process or machine; empty for a thread.
+    records: Messages logged in another process or machine; empty for a thread.
     disk_full: whether a shard could not be written because the disk is full.
     told: Number of cases that the worker, if it is a thread, has already reported to the progress.
     """
@@ -79,7 +79,7 @@ class TaskResult:
     details: str = ""
     seconds: dict[str, float] = field(default_factory=dict)
     returned: list[Returned] = field(default_factory=list)
-    entries: list[LogEntry] = field(default_factory=list)
+    records: list[LogRecord] = field(default_factory=list)
     disk_full: bool = False
     told: int = 0
 
@@ -161,12 +161,12 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
     if differs:
         result.failures += [Setback(b.label, differs, b.cases) for b in blocks.values()]
         return result
-    with collect_entries(work.backend != "threading") as entries:
+    with collect_records(work.backend != "threading") as records:
         try:
             _Task(work, blocks, local, result).run()
         finally:
             working_on("")
-        result.entries += entries
+        result.records += records
     return result
 
 

@@ -21,8 +21,8 @@ from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.world import CONDITIONS
 from owtsweep.sweep import compare as comparing
-from owtsweep.sweep import shard
 from owtsweep.sweep.compare import Compared
+from owtsweep.sweep.store import decode, encode
 
 GRID = ["grid.natural_period=[4.0,8.0]", "grid.amplitude=[0.1,0.25,1.0]", "grid.replicates=5"]
 WORDS = [*SMALL, *GRID, "schemes=[MKF,HME1,HME2]"]
@@ -174,8 +174,8 @@ def test_sealed_rows_without_a_usable_number_are_one_line(folder, tmp_path, colu
         run = owtsweep.load(tmp_path / name)
         for key in run.plan():
             path = run.store.path(key)
-            rows = shard.decode(path.read_bytes(), key, {}).to_pandas()
-            path.write_bytes(shard.encode(key, rows.assign(**{column: value}), {}))
+            rows = decode(path.read_bytes(), key, {}).to_pandas()
+            path.write_bytes(encode(key, rows.assign(**{column: value}), {}))
     with pytest.raises(InputError, match=r"^runs: none has a finite number of"):
         compare([str(tmp_path / "early"), str(tmp_path / "late")])
 

@@ -15,7 +15,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.mating.config import Limits
 from owtsweep.studies.mating.joining import Relative, find_estimated_motion, find_true_motion
 from owtsweep.studies.mating.measures import compare, compare_chances, find_chances
-from owtsweep.sweep import shard
+from owtsweep.sweep.store import decode, encode
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "mating.py"
 QUICK = ["study=mating", "experiment=quick", "record.duration=60", "record.settling=20"]
@@ -167,9 +167,9 @@ def test_sealed_rows_that_cannot_be_compared_are_one_line(
         run = owtsweep.load(shutil.copytree(pair / name, tmp_path / name))
         for key in run.plan():
             path = run.store.path(key)
-            rows = shard.decode(path.read_bytes(), key, {}).to_pandas()
+            rows = decode(path.read_bytes(), key, {}).to_pandas()
             rows = rows.drop(columns=column) if value is None else rows.assign(**{column: value})
-            path.write_bytes(shard.encode(key, rows, {}))
+            path.write_bytes(encode(key, rows, {}))
     assert main(["compare", str(tmp_path / "early"), str(tmp_path / "late")]) == 2
     *warnings, last = capsys.readouterr().err.splitlines()
     assert last.startswith("owtsweep: ")
