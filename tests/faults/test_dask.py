@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 import time
+from contextlib import nullcontext
 
 import pytest
 from fault_tools import content
@@ -49,17 +50,9 @@ def undisturbed(study, config, tmp_path):
 def folder(request, monkeypatch):
     """Workers that see the run folder, and such that do not."""
     if request.param == "handed back":
-        # A token that nobody can read: what a worker on another disk finds.
-        monkeypatch.setattr(execute, "shared_token", lambda _: _nothing())
+        # As if the file could not be read there, as on another disk.
+        monkeypatch.setattr(execute, "_make_shared_file", lambda _: nullcontext())
     return request.param
-
-
-class _nothing:
-    def __enter__(self):
-        return "not-there"
-
-    def __exit__(self, *_):
-        pass
 
 
 def test_the_only_worker_does_the_work(faulty, config, cluster, monkeypatch):

@@ -85,7 +85,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         )
         return foretell([changed(config, results=str(folder)) for config in configs])
     planned = [
-        PlannedRun(run_folder(config).name, [o for o in words if not _is_results(o)], values)
+        PlannedRun(run_folder(config).name, values, [o for o in words if not _is_results(o)])
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
     refuse_links(folder, deep=False)

@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from owtsweep._version import __version__
-from owtsweep.cli.completing import complete_override
 from owtsweep.errors import InputError, as_text, require, shorten
 from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.log import Lines
@@ -60,7 +59,9 @@ class Parser(argparse.ArgumentParser):
 Argument = tuple[tuple[str, ...], dict[str, Any]]
 
 
-def _argument(name: str, metavar: str | None, help: str, **more: Any) -> Argument:
+def _take(words: str, help: str, **more: Any) -> Argument:
+    """Return an argument: `words` are its name and what stands for its value, e.g. "run RUN"."""
+    name, metavar = words.split()
     return (name,), {"metavar": metavar, "help": help, **more}
 
 
@@ -69,12 +70,12 @@ def _flag(names: str, help: str) -> Argument:
 
 
 def _overrides(example: str) -> Argument:
-    return _argument("overrides", "override", f"Hydra override, e.g. {example}", nargs="*")
+    return _take("overrides override", f"Hydra override, e.g. {example}", nargs="*")
 
 
-CONFIG_DIR = _argument("--config-dir", "DIR", "folder with more config groups")
+CONFIG_DIR = _take("--config-dir DIR", "folder with more config groups")
 DRY_RUN = _flag("--dry-run", "say what would be computed, in what time, and stop")
-RUN = _argument("run", "RUN", "folder of a run, e.g. results/default-0a1b2c3d4e")
+RUN = _take("run RUN", "folder of a run, e.g. results/default-0a1b2c3d4e")
 RUN_OPTIONS = (
     _flag("--cfg", "print the resolved configuration with units and stop"),
     DRY_RUN,
@@ -103,7 +104,7 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
     "replay": (
         "Run the schemes on recorded motion or recorded sensors; say which one to run.",
         "replay towertop.outb columns.position_x=TwHt1TPxi",
-        _argument("words", "FILE|override", "records or patterns; key=value words", nargs="*"),
+        _take("words FILE|override", "records or patterns; key=value words", nargs="*"),
         _flag("--describe", "list channels, units, rates and gaps, and stop"),
         _flag("--sample", "write two sample records into this folder, and stop"),
         *RUN_OPTIONS,
@@ -112,20 +113,17 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
         "Draw all figures and tables of a run into its folder figures/.",
         "figures results/default-0a1b2c3d4e",
         RUN,
-        _argument(
-            "--envelope",
-            "STRUCTURE",
-            "only the map, with where a structure is on it: a name in conf/structure or a "
-            "YAML file",
+        _take(
+            "--envelope STRUCTURE",
+            "only the map, with where a structure is on it: a name in conf/structure or a YAML "
+            "file",
         ),
     ),
     "report": (
         "Write report.html, one page of a run to send: it opens offline, in any browser.",
         "report results/default-0a1b2c3d4e",
         RUN,
-        _argument(
-            "--output", "FILE", "the file to write; default: report.html in the run's folder"
-        ),
+        _take("--output FILE", "the file to write; default: report.html in the run's folder"),
         _flag(
             "--details", "run record 0 of each cell once more, and show 40 s of truth and estimates"
         ),
@@ -134,14 +132,12 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
         "Judge the claims of a study's paper, or yours, by a run; writes RUN/fidelity/.",
         "fidelity results/default-0a1b2c3d4e",
         RUN,
-        _argument(
-            "--claims", "FILE", "a file of claims (TOML) instead of those of the study's paper"
-        ),
+        _take("--claims FILE", "a file of claims (TOML) instead of those of the study's paper"),
     ),
     "compare": (
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
         "compare results/multirun-0a1b2c3d4e",
-        _argument("runs", "RUN", "folder of a multirun, or folders of several runs", nargs="+"),
+        _take("runs RUN", "folder of a multirun, or folders of several runs", nargs="+"),
     ),
     "spectrum": (
         "Draw the schemes' error spectra and noise floors, without any record (study=hub).",
@@ -155,7 +151,7 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
         _overrides("sensors.gnss.rate=5"),
         _flag("--dry-run", "say what would be searched, in what time, and stop"),
         CONFIG_DIR,
-        _argument("--output", "FILE", "the tuning file to write; default tuned-<hash>.yaml"),
+        _take("--output FILE", "the tuning file to write; default tuned-<hash>.yaml"),
     ),
     "vary": (
         "Draw each scheme's error over the values of one key, e.g. a GNSS rate.",
@@ -169,11 +165,10 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
         "Say how many inclinometers are enough, and where, before any is mounted (study=tower).",
         "place study=tower structure=./my_tower.yaml grid.noise=[3]",
         _overrides("structure=./my_tower.yaml"),
-        _argument("--quantity", "NAME", "whose error counts: stress (default) or base_moment"),
-        _argument("--count", "N", "most sensors to choose; default 8", type=int),
-        _argument(
-            "--heights",
-            "LIST",
+        _take("--quantity NAME", "whose error counts: stress (default) or base_moment"),
+        _take("--count N", "most sensors to choose; default 8", type=int),
+        _take(
+            "--heights LIST",
             "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements",
         ),
         CONFIG_DIR,
@@ -186,22 +181,18 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
     "init": (
         "Write a first scheme, structure or study of your own, to be changed by you.",
         "init scheme my_filter study=floater",
-        _argument("kind", None, "what to write", choices=("scheme", "structure", "study")),
-        _argument("name", "NAME", "its name, e.g. my_filter"),
-        _argument(
-            "overrides",
-            "study=...",
-            "of a scheme: study=hub (default), tower, floater or blade",
+        (("kind",), {"help": "what to write", "choices": ("scheme", "structure", "study")}),
+        _take("name NAME", "its name, e.g. my_filter"),
+        _take(
+            "overrides study=...", "of a scheme: study=hub (default), tower, floater or blade",
             nargs="*",
-            default=[],
         ),
     ),
     "list": (
         "List studies, schemes and config groups, or what one name stands for.",
         "list tower",
-        _argument(
-            "names",
-            "NAME",
+        _take(
+            "names NAME",
             "a study, a config group, or a scheme, e.g. tower, sensors or HME1; default: all; "
             "with study=STUDY, of this study alone",
             nargs="*",
@@ -210,15 +201,12 @@ COMMANDS: dict[str, tuple[str, str, *tuple[Argument, ...]]] = {
     "runs": (
         "List the runs in a folder: study, tuning, decided cells, date, what is missing.",
         "runs results",
-        _argument(
-            "folder",
-            "FOLDER",
-            "the folder that holds the runs; default: results",
-            nargs="?",
+        _take(
+            "folder FOLDER", "the folder that holds the runs; default: results", nargs="?",
             default="results",
         ),
     ),
-}
+}  # fmt: skip
 
 
 def make_parser() -> Parser:
@@ -239,6 +227,31 @@ def make_parser() -> Parser:
                 added.completer = complete_override
     parser.commands = subparsers.choices
     return parser
+
+
+def complete_override(parsed_args: argparse.Namespace, **_: object) -> list[str]:
+    """Complete an override in the shell, as the package argcomplete asks.
+
+    Return the studies, then options of groups and keys of the study that is named, or the
+    hub. argcomplete offers those of them that begin as the word that is typed.
+    """
+    from owtsweep.config.hints import list_keys
+    from owtsweep.studies import names
+    from owtsweep.studies.registry import DEFAULT, find_tree
+
+    given = parsed_args.overrides
+    named = [word.removeprefix("study=") for word in given if word.startswith("study=")]
+    try:
+        tree = find_tree(named[-1] if named else DEFAULT)
+    except InputError:  # an override before this one is wrong; the command will say so
+        return []
+    keys = list_keys(tree.model)
+    sections = {key.rpartition(".")[0] for key in keys}
+    return [
+        *(f"study={name}" for name in names()),
+        *(f"{group}={option}" for group in tree.groups() for option in tree.options(group)),
+        *(f"{key}=" for key in keys if key not in sections),
+    ]
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -110,11 +110,8 @@ def _draw_panel(
         # Shifted sideways, so that the intervals do not hide each other.
         x = [place + (number - 0.5 * (len(cells) - 1)) * width for place in places.values()]
         color, marker = colors[number], MARKERS[number % len(MARKERS)]
-        for place, low, high in zip(x, lows, highs, strict=True):
-            if np.isfinite(low + high):
-                axes.vlines(
-                    place, *np.clip([low, high], *edges), linewidth=1.2, color=color, zorder=3
-                )
+        intervals = np.where(np.isfinite(lows + highs), np.clip([lows, highs], *edges), np.nan)
+        axes.vlines(x, *intervals, linewidth=1.2, color=color, zorder=3)
         drawn = np.clip(line, *edges)
         dashes, label = "-" if joined else "none", style.label_of(name)
         mark: style.Look = {"color": color, "zorder": 3, "marker": marker, "markersize": 5}

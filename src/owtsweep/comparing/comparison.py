@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -55,11 +54,9 @@ def rank_values(values: Sequence[object]) -> list[int]:
 
     If all are numbers, they are ordered by size, otherwise by their first appearance.
     """
-    distinct: dict[str, Any] = {identify(value): value for value in values}
-    axis = list(distinct)
-    if all(isinstance(write(value), int | float) for value in values):
-        axis.sort(key=lambda name: distinct[name])
-    return [axis.index(identify(value)) for value in values]
+    numeric = all(isinstance(write(value), int | float) for value in values)
+    names = pd.Series(values if numeric else [identify(value) for value in values])
+    return [int(rank) for rank in names.factorize(sort=numeric)[0]]
 
 
 @dataclass(frozen=True)

@@ -130,8 +130,8 @@ def compose_plain(tree: Tree, overrides: Sequence[str], config_dir: str | None =
     `InputError` if Hydra refuses an override or a file, `config_dir` is no folder, a value could
     not be stored, or several tunings cannot be joined; the message is one line.
     """
-    with place_files(overrides, tree.model) as (placed, folders):
-        words = [*_search_path(config_dir, placed, folders), *placed]
+    with place_files(overrides, tree.model) as placed:
+        words = [*_search_path(config_dir, placed), *placed]
         return _compose_tunings(tree, words, overrides)
 
 
@@ -139,7 +139,7 @@ def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str])
     """Compose a tree once for each tuning of `words`; join the results.
 
     `overrides` are the user's own, for error messages. `words` are those for Hydra: tuning files
-    are replaced by options, and the folders that Hydra searches are added.
+    are replaced by options, and the folder that Hydra searches is added.
     """
     plain, chosen = _compose(tree, words)
     if not tree.model.tuned or GROUP in chosen:  # Hydra names no choice if there are several
@@ -154,22 +154,19 @@ def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str])
     return join(composed, tree.model.tuned)
 
 
-def _search_path(
-    config_dir: str | None, overrides: Sequence[str], folders: Sequence[Path]
-) -> list[str]:
-    """Check the overrides; return the one, if any, that makes Hydra search further folders."""
+def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
+    """Check the overrides; return the one, if any, that makes Hydra search a further folder."""
     require_readable(overrides)
     for override in overrides:
         require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
-    given = [] if config_dir is None else [_find_folder(config_dir)]
-    if not (given or folders):
+    if config_dir is None:
         return []
     from owtsweep.config.given_files import search_path_of
 
-    return [search_path_of([*given, *folders])]
+    return [search_path_of(_find_folder(config_dir))]
 
 
 def _compose(tree: Tree, words: Sequence[str]) -> tuple[Plain, Plain]:

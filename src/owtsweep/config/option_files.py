@@ -3,20 +3,19 @@
 A tuning file may set the tuned sections of a study's configuration (`Config.tuned`) and the key
 `tuning`, the tuning's name; without it, the name is the file's. A file of another group
 (`Config.from_files`) sets the keys of one section. A file may come from a stranger, so it holds
-values only: it is checked as a stored configuration is, and then handed to Hydra as one more file
+values only: it is checked as a stored configuration is, and then handed to Hydra as one more option
 of the config group.
 """
 
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.config.common import Config
-from owtsweep.config.section import bare_type, is_section
+from owtsweep.config.section import Plain, bare_type, is_section
 from owtsweep.config.stored import read_stored
 from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import typed
@@ -30,38 +29,31 @@ def names_file(word: str) -> bool:
 
 
 @contextmanager
-def place_files(
-    overrides: Sequence[str], model: type[Config]
-) -> Iterator[tuple[list[str], list[Path]]]:
-    """Give the files that overrides of groups name a place and a name for Hydra, for a while.
+def place_files(overrides: Sequence[str], model: type[Config]) -> Iterator[list[str]]:
+    """Give the files that overrides of groups name a name for Hydra; yield overrides with it.
 
     The model's `tuned` and `from_files` say what files may set. Raise `InputError` if a file cannot
     be read, holds anything but values, or sets another key.
-
-    Yield the overrides, with the name of an option in place of each file's path; and the folders
-    that Hydra has to search for these options, none or one.
     """
+    from hydra.core.config_store import ConfigStore
+
     options: dict[tuple[str, str], str] = {}
     for override in overrides:
         group, words = _split(override)
         if group in model.from_files or (group == GROUP and model.tuned):
             for word in filter(names_file, words):
                 options.setdefault((group, word), f"{group}-file-{len(options)}")
-    if not options:
-        yield list(overrides), []
-        return
-    with tempfile.TemporaryDirectory(prefix="owtsweep-") as folder:
-        for (group, word), option in options.items():
-            path = Path(folder, group, f"{option}.yaml")
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(_checked_text(expand_home(word), group, model), encoding="utf-8")
-        try:
-            yield [_replace(override, options) for override in overrides], [Path(folder)]
-        except InputError as error:  # in the user's words
-            text = str(error)
-            for (_, word), option in options.items():
-                text = text.replace(option, word)
-            raise InputError(text) from error
+    for (group, word), option in options.items():
+        package = "_global_" if group == GROUP else group
+        values = _read_checked(expand_home(word), group, model)
+        ConfigStore.instance().store(option, values, group, package)
+    try:
+        yield [_replace(override, options) for override in overrides]
+    except InputError as error:  # in the user's words
+        text = str(error)
+        for (_, word), option in options.items():
+            text = text.replace(option, word)
+        raise InputError(text) from error
 
 
 def _split(override: str) -> tuple[str, list[str]]:
@@ -81,10 +73,8 @@ def _replace(override: str, options: dict[tuple[str, str], str]) -> str:
     return f"{group}=[{chosen}]" if group == GROUP else f"{group}={chosen}"
 
 
-def _checked_text(path: Path, group: str, model: type[Config]) -> str:
-    """Read a user's file; return its values as the text of a file of a config group of Hydra's."""
-    import yaml
-
+def _read_checked(path: Path, group: str, model: type[Config]) -> Plain:
+    """Read a user's file of a config group; return its values."""
     require(  # `Path.exists` raises for a name that is too long
         os.path.exists(path), f"{group}: there is no file {shorten(str(path), 200)}"
     )
@@ -96,7 +86,7 @@ def _checked_text(path: Path, group: str, model: type[Config]) -> str:
             typed(section, plain)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
-        return str(yaml.safe_dump(plain, sort_keys=False))
+        return plain
     others = sorted(set(plain) - {*model.tuned, GROUP})
     require(
         not others,
@@ -108,4 +98,4 @@ def _checked_text(path: Path, group: str, model: type[Config]) -> str:
         isinstance(name, str),
         f"{path}: {GROUP}: {name!r} is no text; write the tuning's name there",
     )
-    return f"# @package _global_\n{yaml.safe_dump(plain, sort_keys=False)}"
+    return plain

@@ -44,12 +44,12 @@ def read(path: Path, *, resolve: bool = True) -> Plain:
     """
     from omegaconf import OmegaConf
 
-    with _naming(path):
+    with naming(path):
         return resolved(OmegaConf.load(path), resolve=resolve)
 
 
 @contextmanager
-def _naming(path: Path) -> Iterator[None]:
+def naming(path: Path) -> Iterator[None]:
     """Turn any error inside the context into an `InputError` that names the YAML file `path`."""
     try:
         yield
@@ -71,8 +71,8 @@ def read_stored(path: Path) -> tuple[Plain, str]:
     from omegaconf import OmegaConf
 
     text = read_text(path, MOST_BYTES)
-    with _naming(path):
-        _check_events(text)
+    with naming(path):
+        check_events(text, MOST_VALUES, aliases=False)
         plain = resolved(OmegaConf.load(StringIO(text)), resolve=False)
     require(
         "${" not in json.dumps(plain, default=str),
@@ -81,25 +81,43 @@ def read_stored(path: Path) -> tuple[Plain, str]:
     return plain, text
 
 
-def _check_events(text: str) -> None:
-    """Raise `InputError` if a YAML text has an alias, nests too deeply or holds too much."""
+def check_events(text: str, most: int, *, aliases: bool) -> None:
+    """Raise `InputError` if a YAML text nests too deeply or holds more than `most` values.
+
+    With `aliases`, an alias (`*name`) counts as the values for which it stands; else it is refused,
+    and so are more than `MOST_MAPPINGS` mappings.
+    """
     import yaml
 
-    depth = mappings = values = 0
+    sizes: dict[str | None, int] = {}  # anchor -> number of values that it names
+    open_lists: list[tuple[str | None, int]] = []  # anchor, and `values` at its start
+    values = mappings = 0
     for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
-        require(
-            not isinstance(event, yaml.AliasEvent),
-            "it holds an alias (*name); a stored configuration holds values",
-        )
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        require(depth <= DEEPEST, f"its lists and mappings lie more than {DEEPEST} deep")
-        mappings += isinstance(event, yaml.MappingStartEvent)
-        values += isinstance(event, yaml.ScalarEvent)
-        require(
-            mappings <= MOST_MAPPINGS and values <= MOST_VALUES,
-            f"it holds more than {MOST_MAPPINGS} mappings or {MOST_VALUES} values",
-        )
+        if isinstance(event, yaml.AliasEvent):
+            require(aliases, "it holds an alias (*name); a stored configuration holds values")
+            values += sizes.get(event.anchor, most)  # unfinished: it holds itself
+        elif isinstance(event, yaml.ScalarEvent):
+            values += 1
+            sizes[event.anchor] = 1
+        elif isinstance(event, yaml.CollectionStartEvent):
+            open_lists.append((event.anchor, values))
+            sizes.pop(event.anchor, None)
+            mappings += isinstance(event, yaml.MappingStartEvent)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, before = open_lists.pop()
+            values += 1
+            sizes[anchor] = values - before
+        require(len(open_lists) <= DEEPEST, f"its lists and mappings lie more than {DEEPEST} deep")
+        if aliases:
+            require(
+                values <= most,
+                f"its aliases (*name) stand for more than {most} values; write fewer",
+            )
+        else:
+            require(
+                mappings <= MOST_MAPPINGS and values <= most,
+                f"it holds more than {MOST_MAPPINGS} mappings or {most} values",
+            )
 
 
 def resolved(mapping: object, *, resolve: bool = True) -> Plain:

@@ -9,8 +9,11 @@ import stat
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 from owtsweep.errors import InputError
+
+T = TypeVar("T")
 
 #: A file above this many bytes is read only if it has no holes, which claim bytes without a cost.
 MOST_SPARSE = 100_000_000
@@ -150,3 +153,17 @@ def read_json(path: Path, most: int) -> object:
         reason = "it nests too deeply" if isinstance(error, RecursionError) else str(error)
         raise InputError(f"{path}: this is no JSON ({reason})") from None
     return data
+
+
+def read_as(kind: type[T], path: Path, most: int, refusal: str) -> T:
+    """Read a JSON file of at most `most` bytes as an object of a type, such as a dataclass.
+
+    Raise `InputError` as `read_bytes` does; or with `refusal` after the path, if the file holds
+    anything else.
+    """
+    from pydantic import TypeAdapter, ValidationError
+
+    try:
+        return TypeAdapter(kind).validate_json(read_bytes(path, most))
+    except ValidationError:
+        raise InputError(f"{path}: {refusal}") from None

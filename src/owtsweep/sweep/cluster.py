@@ -13,7 +13,6 @@ import time
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import islice
 
 import distributed
@@ -31,17 +30,6 @@ PATIENCE = 60.0
 #: Seconds after which the cluster's cores are counted again.
 _LOOK = 1.0
 _NETWORK = ("distributed", "tornado")
-
-
-@dataclass(frozen=True)
-class Lost:
-    """The stand-in for the result of a task that the cluster has lost.
-
-    `task` is the number of the task, and `reason` says in one line why the task was lost.
-    """
-
-    task: int
-    reason: str
 
 
 @contextmanager
@@ -139,12 +127,12 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
 
 def run_tasks(
     client: Client, calls: Mapping[int, Callable[[], TaskResult]], at_once: int
-) -> Generator[TaskResult | Lost]:
+) -> Generator[TaskResult]:
     """Run tasks on a cluster, and yield the result of each task as soon as the result arrives.
 
-    Of a task that the cluster loses, a `Lost` is yielded. A task that is lost together with the
-    connection to the scheduler is sent again, once. Closing the generator cancels the tasks that no
-    worker has begun.
+    Of a task that the cluster loses, the result says so in `lost`. A task that is lost together
+    with the connection to the scheduler is sent again, once. Closing the generator cancels the
+    tasks that no worker has begun.
 
     client: the connection to the cluster.
     calls: Number of a task -> the function that runs the task on a worker.
@@ -181,7 +169,7 @@ def run_tasks(
                     waiting[number] = calls[number]
                 else:
                     error = result[1] if isinstance(result, tuple) else result
-                    yield Lost(number, _short(error))
+                    yield TaskResult(number, lost=_short(error))
             if not arrived:
                 time.sleep(0.01)
     finally:

@@ -66,12 +66,8 @@ def _make_part(contents: Contents) -> xarray.Dataset:
         }  # fmt: skip
         variables[measure] = (dimensions, values[..., number, :, :], about)
     coordinates = {
-        condition.name: (
-            condition.name,
-            levels,
-            {"long_name": condition.label, "units": condition.unit},
-        )
-        for condition, levels in zip(cube.conditions, cube.levels, strict=True)
+        one.name: (one.name, levels, {"long_name": one.label, "units": one.unit})
+        for one, levels in zip(cube.conditions, cube.levels, strict=True)
     }
     labels = {
         "scheme": list(cube.schemes), "window": list(cube.windows),

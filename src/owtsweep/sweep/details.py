@@ -11,19 +11,19 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from pydantic import TypeAdapter
+from pydantic import FiniteFloat
 
 from owtsweep.arrays import Array
 from owtsweep.config import AnyConfig, changed
 from owtsweep.errors import InputError
-from owtsweep.io.reading import read_bytes
+from owtsweep.io.reading import read_as
 from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Value
 from owtsweep.results.contents import Contents
@@ -128,16 +128,16 @@ def dump_details(details: Mapping[str, object]) -> str:
 @dataclass
 class _Cell:
     at: list[int]
-    start: float
-    step: float
-    series: list[tuple[str, float, str]]
+    start: FiniteFloat
+    step: FiniteFloat
+    series: list[tuple[str, FiniteFloat, str]]
 
 
 @dataclass
 class _Details:
     label: str
     cells: list[_Cell]
-    spectra: list[tuple[str, str, list[float], list[float]]]
+    spectra: list[tuple[str, str, list[FiniteFloat], list[FiniteFloat]]]
 
 
 def read_details(place: Path) -> dict[str, Any]:
@@ -148,12 +148,6 @@ def read_details(place: Path) -> dict[str, Any]:
     path = place / DETAILS
     if not path.is_file():
         return {}
-    kind = TypeAdapter(dict[str, _Details])
-    try:
-        kept: dict[str, Any] = kind.dump_python(kind.validate_json(read_bytes(path, MOST_BYTES)))
-        json.dumps(kept, allow_nan=False)  # NaN is no JSON, and a page has JSON
-    except ValueError as error:  # as pydantic's errors are
-        raise InputError(
-            f"{path}: this holds no details of a run; delete it, or write it again by --details"
-        ) from error
-    return kept
+    refusal = "this holds no details of a run; delete it, or write it again by --details"
+    kept = read_as(dict[str, _Details], path, MOST_BYTES, refusal)
+    return {tuning: asdict(details) for tuning, details in kept.items()}

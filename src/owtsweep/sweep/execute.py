@@ -10,11 +10,12 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
-from contextlib import closing, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from pickle import PicklingError
+from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from owtsweep import compiled  # in this form the module counts as no source of kernels
@@ -35,8 +36,6 @@ from owtsweep.sweep.worker import (
 
 if TYPE_CHECKING:
     from distributed import Client
-
-    from owtsweep.sweep.cluster import Lost
 
 #: What can run the tasks of a sweep: two backends of joblib, and a dask cluster.
 BACKENDS = ("threading", "loky", "dask")
@@ -73,9 +72,9 @@ class Executor:
         reported: set[int] = set()
         # Processes cannot share a flag (it does not pickle), and they do not need it.
         local = Local(threading.Event(), tell) if backend == "threading" else None
-        sharing = shared_token(folder) if backend == "dask" else nullcontext()
-        with no_modules_of_this_folder(), sharing as token:
-            work = replace(self.work, token=token)
+        sharing = _make_shared_file(folder) if backend == "dask" else nullcontext()
+        with no_modules_of_this_folder(), sharing as file:
+            work = replace(self.work, shared=file and file.name)
             try:
                 with closing(self._run_rounds(work, queue, local)) as results:
                     for result in results:
@@ -111,10 +110,10 @@ class Executor:
             try:
                 for result in self._run_round(work, tasks, numbers, sent, local):
                     reported.add(result.task)
-                    if isinstance(result, TaskResult):
-                        yield result
+                    if result.lost:
+                        guilty[result.task] = result.lost
                     else:
-                        guilty[result.task] = result.reason
+                        yield result
                 # A task that the backend has lost must count as failed.
                 guilty |= dict.fromkeys(set(numbers) - reported, "its worker gave no answer")
             except PicklingError as error:
@@ -145,7 +144,7 @@ class Executor:
         numbers: list[int],
         sent: list[int],
         local: Local | None,
-    ) -> Iterator[TaskResult | Lost]:
+    ) -> Iterator[TaskResult]:
         if self.client is not None:
             from owtsweep.sweep.cluster import run_tasks
 
@@ -228,26 +227,19 @@ class Executor:
         return self.work.store.status(key) == "done"
 
 
-@contextmanager
-def shared_token(folder: Path) -> Iterator[str | None]:
-    """Make a file in the run folder, yield its name, and delete the file at the end.
+def _make_shared_file(folder: Path) -> AbstractContextManager[Any]:
+    """Return a context with a file in the run folder, which is deleted at its end.
 
     A worker on another machine that finds the file sees the run folder itself. The file's name is
     random, so another folder with the same path does not contain the file. If the file cannot be
-    written, yield None; then workers send their results back instead of storing them.
+    written, the context holds None; then workers send their results back instead of storing them.
     """
     # Named like a temporary file, so that one left by a killed sweep is cleaned up too.
-    path = folder / f".shared.{secrets.token_hex(8)}.tmp"
+    suffix = f".{secrets.token_hex(8)}.tmp"
     try:
-        path.touch(exist_ok=False)
+        return NamedTemporaryFile(dir=folder, prefix=".shared", suffix=suffix)
     except OSError:
-        yield None
-        return
-    try:
-        yield path.name
-    finally:
-        with suppress(OSError):
-            path.unlink()
+        return nullcontext()
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -37,23 +37,16 @@ MOST_BLOCKS = 1000
 SLOWEST = 10
 
 
-def start_manifest(
-    study: Study,
-    config: Config,
-    text: str,
-    argv: Sequence[str] | None,
-    backend: str,
-    workers: int,
-) -> dict[str, object]:
+def start_manifest(study: Study, config: Config, text: str, **of_sweep: object) -> Plain:
     """Return the manifest of a run that begins now, as plain JSON data; `state` is "running".
 
     study, config: the study and its configuration.
     text: the text of config.yaml.
-    argv: the arguments of the command line, or None if the run was started from Python.
-    backend, workers: What ran the tasks, and the number of its workers (0: all workers of a
-        cluster).
+    of_sweep: `argv`, the arguments of the command line, or None if the run was started from Python;
+        `backend` and `workers`, what runs the tasks, and the number of its workers (0: all workers
+        of a cluster).
     """
-    packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
+    packages = (*PACKAGES, *CLUSTER_PACKAGES) if of_sweep["backend"] == "dask" else PACKAGES
     return {
         "state": "running",
         "owtsweep": __version__,  # the version of this code, even if it is not installed
@@ -72,9 +65,7 @@ def start_manifest(
         "config_digest": digest(text),
         "config": without_places(config),
         "seed": config.seed,
-        "argv": None if argv is None else list(argv),
-        "backend": backend,
-        "workers": workers,
+        **of_sweep,
         "started": _now(),
         "ended": None,
         "seconds": None,
@@ -84,12 +75,8 @@ def start_manifest(
 
 
 def finish_manifest(
-    manifest: dict[str, object],
-    state: str,
-    seconds: float,
-    cases: Mapping[str, int],
-    blocks: Mapping[str, float],
-) -> dict[str, object]:
+    manifest: Plain, state: str, seconds: float, cases: Plain, blocks: Mapping[str, float]
+) -> Plain:
     """Return the manifest of a run that ends now.
 
     manifest: the manifest that `start_manifest` made.
@@ -104,7 +91,7 @@ def finish_manifest(
         "state": state,
         "ended": _now(),
         "seconds": round(seconds, 3),
-        "cases": dict(cases),
+        "cases": cases,
         "blocks": summarise_seconds(blocks),
     }
 

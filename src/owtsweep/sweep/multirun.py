@@ -9,12 +9,12 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError, printable, require
 from owtsweep.io.files import write_atomically
-from owtsweep.io.reading import read_json
+from owtsweep.io.reading import read_as
 from owtsweep.io.tables import read_map
 from owtsweep.report.several_page import make_multirun_page
 from owtsweep.results.answer import tell_counts
@@ -26,15 +26,21 @@ VERSION = 1
 MOST_BYTES = 100_000_000
 #: The folder, inside the folder of a multirun, that holds the outcomes of its runs.
 OUTCOMES = ".outcomes"
+NO_RECORD = "this is no record of a multirun, with a list of runs in folders beside it"
 
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A run of a multirun: the name of the run folder, all overrides, and swept key -> value."""
+    """A run of a multirun: the name of the run folder, swept key -> value, and all overrides."""
 
     folder: str
-    overrides: list[str]
     values: dict[str, str]
+    overrides: list[str] = field(default_factory=list)
+
+
+@dataclass
+class _Record:
+    runs: list[PlannedRun]
 
 
 def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
@@ -58,28 +64,11 @@ def read_record(folder: Path) -> tuple[list[str], list[str]]:
     path = folder / RECORD
     if not os.path.lexists(path):
         return [], []
-    match read_json(path, MOST_BYTES):
-        case {"runs": list(runs)}:
-            pass
-        case _:
-            raise InputError(f"{path}: this is no record of a multirun (it lists no runs)")
-    folders: list[str] = []
-    keys: list[str] = []
-    for run in runs:
-        match run:
-            case {"folder": str(name), "values": dict(values)} if _is_name(name):
-                folders.append(name)
-                keys += values
-            case _:
-                raise InputError(
-                    f"{path}: this is no record of a multirun (run {len(folders)} has no name of a "
-                    "folder beside it)"
-                )
-    return folders, keys
-
-
-def _is_name(text: str) -> bool:
-    return Path(text).name == text and text not in ("", ".", "..")
+    runs = read_as(_Record, path, MOST_BYTES, NO_RECORD).runs
+    folders = [run.folder for run in runs]
+    named = all(Path(name).name == name and name not in ("", ".", "..") for name in folders)
+    require(named, f"{path}: {NO_RECORD}")
+    return folders, [key for run in runs for key in run.values]
 
 
 @dataclass(frozen=True)
@@ -114,17 +103,11 @@ def read_outcome(file: Path) -> JobOutcome:
     fault of the file as the reason.
     """
     try:
-        match read_json(file, MOST_BYTES):
-            case {
-                "folder": str(name),
-                "overrides": list(words),
-                "code": int(code),
-                "reason": str(reason),
-            } if name == file.stem and all(isinstance(word, str) for word in words):
-                return JobOutcome(name, words, code, printable(reason))
-        raise InputError(f"{file}: this is no outcome of a run")
+        outcome = read_as(JobOutcome, file, MOST_BYTES, "this is no outcome of a run")
+        require(outcome.folder == file.stem, f"{file}: this is the outcome of another run")
     except InputError as error:
         return JobOutcome(file.stem, [], 1, str(error))
+    return replace(outcome, reason=printable(outcome.reason))
 
 
 def write_page(folder: Path, planned: Sequence[PlannedRun], outcomes: Sequence[JobOutcome]) -> None:

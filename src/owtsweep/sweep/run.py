@@ -10,7 +10,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 
-from owtsweep.config import Config, dump, require
+from owtsweep.config import Config, Plain, dump, require
 from owtsweep.errors import InputError
 from owtsweep.io.tables import dump_tables
 from owtsweep.sweep import asked
@@ -35,9 +35,9 @@ from owtsweep.sweep.worker import TaskResult, Work, all_versions, one_line
 logger = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Outcome:
-    """The outcome of a sweep.
+    """The outcome of a sweep, which fills it in.
 
     run: the run to which the sweep belongs.
     computed, reused: Number of cases that this sweep computed, and of cases that were stored
@@ -51,10 +51,10 @@ class Outcome:
     """
 
     run: Run
-    computed: int
-    reused: int
-    failed: list[Setback]
-    seconds: float
+    computed: int = 0
+    reused: int = 0
+    failed: list[Setback] = field(default_factory=list)
+    seconds: float = 0.0
     results: Mapping[str, Results] = field(default_factory=dict)
     unable: Sequence[Setback] = ()
 
@@ -91,42 +91,49 @@ def sweep(
         texts = {PLAN_FILE: dump_plan(run.plan(), study, config, text), "config.yaml": text}
         prepare_folder(run, texts, fresh=fresh)
         with run_log(run.folder):
-            return _Sweep(run, executor, progress or Progress(), argv)(text)
+            under_way = _Sweep(Outcome(run), executor, progress or Progress(), text)
+            under_way.complete(None if argv is None else list(argv))
+        return under_way.outcome
 
 
 @dataclass
 class _Sweep:
-    """A sweep that is under way, and its counts of cases up to now."""
+    """A sweep that is under way, and what has come out up to now.
 
-    run: Run
+    text: the content of config.yaml.
+    seconds: Label of each computed block -> its computing time in s.
+    warm: whether the engine has warmed up.
+    """
+
+    outcome: Outcome
     executor: Executor
     progress: Progress
-    argv: Sequence[str] | None
-    computed: int = 0
-    reused: int = 0
-    failed: list[Setback] = field(default_factory=list)
-    unable: list[Setback] = field(default_factory=list)
+    text: str
     seconds: dict[str, float] = field(default_factory=dict)
     warm: bool = False
 
-    def __call__(self, text: str) -> Outcome:
-        """Run the sweep; return its outcome. `text` is the content of config.yaml."""
+    @property
+    def run(self) -> Run:
+        return self.outcome.run
+
+    def complete(self, argv: list[str] | None) -> None:
+        """Run the sweep and fill in its outcome."""
         began = time.perf_counter()
         own = asked.question_folder(self.run.folder, self.run.question)
         earlier = read_earlier_seconds(self.run.folder) | read_earlier_seconds(own)
         others = was_running(self.run.folder)
-        backend, workers = self.executor.work.backend, self.executor.workers
         manifest = start_manifest(
-            self.run.study, self.run.config, text, self.argv, backend, workers
-        )
+            self.run.study, self.run.config, self.text, argv=argv,
+            backend=self.executor.work.backend, workers=self.executor.workers,
+        )  # fmt: skip
         self._write_manifest(manifest)
-        state = "error"
+        outcome, state = self.outcome, "error"
         try:
             self._compute(self.run.plan(), others)
-            while further := self._plan_look(text, began):
+            while further := self._plan_look(began):
                 self._compute(further, others)
-            results = self._aggregate()
-            state = "incomplete" if self.failed else "done"
+            outcome.results = self._aggregate()
+            state = "incomplete" if outcome.failed else "done"
         except KeyboardInterrupt as error:
             state = "interrupted"
             total = count_cases(self.run.plan())
@@ -136,18 +143,14 @@ class _Sweep:
             ) from error
         finally:
             self.progress.stop()
-            seconds = time.perf_counter() - began
-            failed = sum(failure.cases for failure in self.failed)
-            logger.info(
-                "%s: %d computed, %d failed in %.1f s", state, self.computed, failed, seconds
-            )
-            cases = {"computed": self.computed, "reused": self.reused, "failed": failed}
-            labels = [block.label for block in self.run.plan().values()]
-            each = {k: v for k, v in (earlier | self.seconds).items() if k in {*labels}}
-            self._write_manifest(finish_manifest(manifest, state, seconds, cases, each))
-        return Outcome(
-            self.run, self.computed, self.reused, self.failed, seconds, results, self.unable
-        )
+            outcome.seconds = time.perf_counter() - began
+            failed = sum(failure.cases for failure in outcome.failed)
+            told = (state, outcome.computed, failed, outcome.seconds)
+            logger.info("%s: %d computed, %d failed in %.1f s", *told)
+            cases = {"computed": outcome.computed, "reused": outcome.reused, "failed": failed}
+            labels = {block.label for block in self.run.plan().values()}
+            each = {k: v for k, v in (earlier | self.seconds).items() if k in labels}
+            self._write_manifest(finish_manifest(manifest, state, outcome.seconds, cases, each))
 
     def _compute(self, plan: Plan, others: bool) -> None:
         """Compute the blocks of a part of the plan that are not stored."""
@@ -157,7 +160,7 @@ class _Sweep:
         missing = {key: block for key, block in plan.items() if store.status(key) != "done"}
         total = count_cases(plan)
         reused = total - count_cases(missing)
-        self.reused += reused
+        self.outcome.reused += reused
         logger.info("%d cases, %d of them stored already", total, reused)
         todo = make_tasks(missing)
         if others:
@@ -172,7 +175,7 @@ class _Sweep:
             for result in results:
                 self._take(result)
 
-    def _plan_look(self, text: str, began: float) -> Plan:
+    def _plan_look(self, began: float) -> Plan:
         """Add the blocks of the next look to the plan, and return them; {} if there is none."""
         records = self.run.config.records
         if records is None or not records.decides:
@@ -192,8 +195,8 @@ class _Sweep:
             )  # fmt: skip
             return {}
         self.progress.look(found)
-        self.run = replace(self.run, stored_plan=whole)
-        content = dump_plan(whole, self.run.study, self.run.config, text)
+        self.outcome.run = replace(self.run, stored_plan=whole)
+        content = dump_plan(whole, self.run.study, self.run.config, self.text)
         asked.write_both(self.run.folder, self.run.question, {PLAN_FILE: content})
         return further
 
@@ -213,8 +216,8 @@ class _Sweep:
 
     def _take(self, result: TaskResult) -> None:
         repeat(result.records)
-        self.computed += result.computed
-        self.reused += result.reused
+        self.outcome.computed += result.computed
+        self.outcome.reused += result.reused
         self.seconds.update(result.seconds)
         self._fail(result.failures)
         if result.details:
@@ -224,7 +227,7 @@ class _Sweep:
             self.progress.advance(over - result.told)
 
     def _fail(self, failures: Sequence[Setback]) -> None:
-        self.failed += failures
+        self.outcome.failed += failures
         for failure in failures:
             logger.warning("failed: %s: %s", failure.label, failure.reason)
             self.progress.fail(failure.label, failure.reason, failure.cases)
@@ -239,7 +242,7 @@ class _Sweep:
         plan = self.run.plan()
         there = [block for key, block in plan.items() if store.path(key).name in present]
         labels = {block.label for block in there}
-        failed = sum(failure.cases for failure in self.failed if failure.label in labels)
+        failed = sum(failure.cases for failure in self.outcome.failed if failure.label in labels)
         return sum(block.cases for block in there) - failed
 
     def _aggregate(self) -> dict[str, Results]:
@@ -250,7 +253,7 @@ class _Sweep:
         run = self.run
         stored, _ = run.stored()
         if any((rows["status"] == UNABLE).any() for rows in stored.values()):
-            self.unable = run.unable()
+            self.outcome.unable = run.unable()
         try:
             results = run.make_results(stored)
         except InputError as error:  # no case is lost: all are stored
@@ -267,7 +270,7 @@ class _Sweep:
             self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
         return results
 
-    def _write_manifest(self, manifest: dict[str, object]) -> None:
+    def _write_manifest(self, manifest: Plain) -> None:
         text = json.dumps(manifest, indent=2) + "\n"
         try:
             asked.write_both(self.run.folder, self.run.question, {MANIFEST: text})

@@ -70,6 +70,7 @@ class TaskResult:
     records: Messages logged in another process or machine; empty for a thread.
     disk_full: whether a shard could not be written because the disk is full.
     told: Number of cases that the worker, if it is a thread, has already reported to the progress.
+    lost: why a cluster has lost the task, of which nothing else is known then.
     """
 
     task: int
@@ -82,6 +83,7 @@ class TaskResult:
     records: list[LogRecord] = field(default_factory=list)
     disk_full: bool = False
     told: int = 0
+    lost: str = ""
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ class Work:
     store: the store into which the shards are written.
     metadata: Entries stored in every shard: the versions in the process that started the sweep.
     backend: What runs the tasks: "threading", "loky" (processes) or "dask" (a cluster).
-    token: the name of a file in the run folder, by which another machine recognises that it sees
+    shared: the path of a file in the run folder, by which another machine recognises that it sees
         this folder. None if there is no such file.
     """
 
@@ -101,7 +103,7 @@ class Work:
     store: Store
     metadata: Mapping[str, str]
     backend: str
-    token: str | None = None
+    shared: str | None = None
 
     def shares_folder(self) -> bool:
         """Return whether the worker sees the run folder of the process that started the sweep.
@@ -110,7 +112,7 @@ class Work:
         """
         if self.backend != "dask":
             return True
-        return self.token is not None and (self.store.folder / self.token).is_file()
+        return self.shared is not None and os.path.isfile(self.shared)
 
 
 @dataclass(frozen=True)
