@@ -14,7 +14,7 @@ import tempfile
 from benchmarks import STUDY
 from benchmarks.scale import peak_megabytes
 from benchmarks.timing import timed
-from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.process import keep_freed_memory
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.run import sweep
 

@@ -20,7 +20,7 @@ from typing import Any
 
 from benchmarks import STUDY
 from benchmarks.timing import Time, timed
-from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.process import keep_freed_memory
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.hub.cache import Kept

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 import owtsweep
 from owtsweep.figures.drawings import save_figure
-from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
+from owtsweep.io.terminal import tell_step
 from owtsweep.sweep.runs import Run
 
 

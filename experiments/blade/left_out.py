@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from experiments.command import read_words, show, write
-from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.io.terminal import show_steps, tell_step
 from owtsweep.studies import compose
 from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.contest import CONTEST

@@ -31,7 +31,7 @@ from scipy.linalg import expm
 
 from experiments.command import read_words, show
 from owtsweep.arrays import Array
-from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.io.terminal import show_steps, tell_step
 from owtsweep.studies import compose
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.config import FloaterConfig

@@ -19,7 +19,7 @@ from experiments.maes2018.scenarios import REFERENCE
 from experiments.maes2018.scores import collect
 from experiments.report import write_paper
 from experiments.single_record import place_print, show_chance
-from owtsweep.io.steps import show_steps
+from owtsweep.io.terminal import show_steps
 from owtsweep.verdicts.page import TextTable
 from owtsweep.verdicts.score_table import ScoreTable
 

@@ -21,7 +21,7 @@ from experiments.mehammer2018.figures import FIGURES, draw_figures
 from experiments.mehammer2018.published import compare_stored, read_author_record, show_stored
 from experiments.mehammer2018.scenarios import OWN
 from experiments.report import write_paper
-from owtsweep.io.steps import show_steps
+from owtsweep.io.terminal import show_steps
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.verdicts.page import Bullets, Heading
 from owtsweep.verdicts.score_table import ScoreTable

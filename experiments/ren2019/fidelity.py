@@ -29,8 +29,8 @@ from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import X_ALONE, fidelity_table
 from owtsweep.errors import InputError
 from owtsweep.figures.drawings import draw_each, save_figure
-from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.io.tables import write_table
+from owtsweep.io.terminal import show_steps, tell_step
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_in_a_line

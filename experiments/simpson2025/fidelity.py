@@ -21,7 +21,7 @@ from experiments.simpson2025.figures import FIGURES, draw_figures
 from experiments.simpson2025.scenarios import Scenario
 from experiments.simpson2025.scores import collect
 from experiments.simpson2025.table_3 import compare_table, show_table
-from owtsweep.io.steps import show_steps
+from owtsweep.io.terminal import show_steps
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.verdicts.score_table import ScoreTable
 

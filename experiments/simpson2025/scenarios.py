@@ -17,7 +17,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import find_unobservable
-from owtsweep.io.steps import tell_step
+from owtsweep.io.terminal import tell_step
 from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig

@@ -19,7 +19,7 @@ from experiments.command import compute, read_words, write
 from experiments.simpson2025.scenarios import NOISE, Scenario, run_scenarios
 from experiments.simpson2025.scores import damages_of
 from owtsweep.figures import style
-from owtsweep.io.steps import show_steps
+from owtsweep.io.terminal import show_steps
 from owtsweep.studies.base.contest import describe_origin
 from owtsweep.studies.tower.contest import CONTEST
 

@@ -13,7 +13,7 @@ import pandas as pd
 from experiments.command import read_words, write
 from experiments.simpson2025.scenarios import WIND, run_scenarios
 from experiments.simpson2025.scores import tabulate
-from owtsweep.io.steps import show_steps
+from owtsweep.io.terminal import show_steps
 from owtsweep.verdicts.inference import mean_ratio
 
 #: What is changed of tuning=paper -> overrides.

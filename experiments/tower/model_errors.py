@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from experiments.command import compute, read_data, read_words, write
 from experiments.simpson2025.scenarios import place_sensors
 from owtsweep.figures import best_scheme_map, style
-from owtsweep.io.steps import show_steps
+from owtsweep.io.terminal import show_steps
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube

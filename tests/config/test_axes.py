@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from owtsweep.config import Axis, Positive, Section, key, typed
-from owtsweep.config import axes as axes_module
-from owtsweep.config.axes import expand
+from owtsweep.config import grid as grid_module
+from owtsweep.config.grid import expand
 from owtsweep.errors import InputError
 
 
@@ -85,6 +85,6 @@ def test_an_axis_that_the_study_does_not_have_is_one_line() -> None:
 
 
 def test_ranges_together_have_a_bound(monkeypatch) -> None:
-    monkeypatch.setattr(axes_module, "MOST_POINTS", 100)
+    monkeypatch.setattr(grid_module, "MOST_POINTS", 100)
     with pytest.raises(ValueError, match="more than 100 values"):
         expand([{"log": [1, 2, 99]}, {"log": [3, 4, 9]}])

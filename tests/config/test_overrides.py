@@ -37,8 +37,8 @@ ALIASES = "a: &a [x,x,x,x,x,x,x,x,x,x]\n" + "".join(
 )
 FILES = [
     (ALIASES, "stand for more than"), ("a: &a [*a]", "stand for more than"),
-    (f"a: {DEEP}", "more than 20 deep"), ("{a: [", "as a configuration"), ("a: \0", "as a configuration"),
-    ("a:\n\t- b", "as a configuration"), (b"\xff\xfe\xff", "no text in UTF-8"),
+    (f"a: {DEEP}", "more than 20 deep"), ("{a: [", "cannot be read"), ("a: \0", "cannot be read"),
+    ("a:\n\t- b", "cannot be read"), (b"\xff\xfe\xff", "no text in UTF-8"),
 ]  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from owtsweep.io.search_path import no_modules_of_this_folder
+from owtsweep.process import no_modules_of_this_folder
 
 TOWER = (
     "study=tower", "experiment=quick", "record.duration=20", "record.settling=5",

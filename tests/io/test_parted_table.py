@@ -7,7 +7,7 @@ import io
 import pytest
 from rich.console import Console
 
-from owtsweep.io.parted_table import PartedTable
+from owtsweep.io.terminal import PartedTable
 
 HEADINGS = ["sensors.gnss.delay", "tuning", "cells EKF", "cells HME1", "boundary", "cells changed"]
 ROWS = [

@@ -7,7 +7,7 @@ import io
 import pytest
 
 from owtsweep.figures.drawings import draw_each
-from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.io.terminal import show_steps, tell_step
 
 
 class Terminal(io.StringIO):

@@ -175,7 +175,7 @@ def test_single_records_are_those_of_the_rows(superposed):
 
 
 def test_a_stretch_is_linear_in_the_amplitude():
-    from owtsweep.sweep.details import pack
+    from owtsweep.sweep.page import pack
 
     contents = make_contents(RECORDS)
     truth, motion, noise = np.random.default_rng(3).normal(size=(3, 50))

@@ -16,7 +16,7 @@ from owtsweep.errors import InputError
 from owtsweep.report.gallery_page import make_gallery
 from owtsweep.results.criteria import Criterion
 from owtsweep.sweep.asked import DETAILS
-from owtsweep.sweep.details import pack
+from owtsweep.sweep.page import pack
 from owtsweep.sweep.run import sweep
 
 SMALL = [

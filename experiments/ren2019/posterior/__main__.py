@@ -49,8 +49,8 @@ from experiments.ren2019.posterior.predict import (
 )
 from experiments.ren2019.posterior.records import RECORDS
 from experiments.ren2019.posterior.settings import NAMES, Reading, from_unit
-from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.io.tables import write_table
+from owtsweep.io.terminal import show_steps, tell_step
 
 REFERENCE = Path("results/reference/posterior")
 #: Draws of the posterior from which held-out statements are predicted, 8 records each: of the

@@ -15,7 +15,7 @@ from owtsweep.config import as_mapping, get_key
 from owtsweep.config.typed import value_at
 from owtsweep.errors import InputError
 from owtsweep.statistics.deciding import FIRST
-from owtsweep.sweep.levers import Lever
+from owtsweep.sweep.study import Lever
 
 #: Records of a lever: those of a first look, which all contenders of the answer have too.
 RECORDS = FIRST

@@ -9,7 +9,7 @@ from textwrap import fill
 
 from owtsweep.cli.program import DONE
 from owtsweep.cli.running import WIDTH
-from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.process import keep_freed_memory
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:

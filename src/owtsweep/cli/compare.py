@@ -30,7 +30,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if sys.stdout.isatty():
         from rich.console import Console
 
-        from owtsweep.io.parted_table import PartedTable
+        from owtsweep.io.terminal import PartedTable
 
         overview = compared.overview
         swept = len(overview.columns) - len(compared.findings.overview.columns)

@@ -18,7 +18,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     `options` are the parsed arguments of the command; `argv` is not used.
     """
     from owtsweep.api import load
-    from owtsweep.io.steps import show_steps, tell_step
+    from owtsweep.io.terminal import show_steps, tell_step
     from owtsweep.report.gallery_page import INDEX, make_gallery
 
     opened = load(options.run)

@@ -26,8 +26,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if the study has no sensors to place, or the configuration or the question is
         refused.
     """
-    from owtsweep.io.steps import show_steps
     from owtsweep.io.tables import dump_tables
+    from owtsweep.io.terminal import show_steps
     from owtsweep.studies import compose, locate
     from owtsweep.studies.registry import DEFAULT
 

@@ -23,7 +23,7 @@ from typing import Any, NoReturn
 
 from owtsweep._version import __version__
 from owtsweep.errors import InputError, as_text, require, shorten
-from owtsweep.io.search_path import no_modules_of_this_folder
+from owtsweep.process import no_modules_of_this_folder
 from owtsweep.sweep.log import Lines
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130

@@ -20,7 +20,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         written.
     """
     from owtsweep.api import load
-    from owtsweep.io.steps import show_steps
+    from owtsweep.io.terminal import show_steps
 
     opened = load(options.run)
     output = None if options.output is None else Path(options.output).expanduser()

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
 from owtsweep.errors import InputError, printable, require
-from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links
+from owtsweep.process import keep_freed_memory
 from owtsweep.statistics.deciding import LOOKS
 from owtsweep.sweep.asked import PAGE
 from owtsweep.sweep.keys import hash_text, run_folder

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from owtsweep.cli.program import DONE
 from owtsweep.config import Plain
-from owtsweep.config.records import CONTEST_KEYS
+from owtsweep.config.grid import CONTEST_KEYS
 from owtsweep.errors import InputError, printable
 from owtsweep.sweep.asked import Question
 from owtsweep.sweep.runs import Run

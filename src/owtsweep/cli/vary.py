@@ -16,7 +16,7 @@ from owtsweep.cli.running import (
     tell_dry_run,
 )
 from owtsweep.config import Config, as_mapping, compose_plain, dump, dump_with_units, get_key
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.config.section import unit_of
 from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import value_at
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if not exactly one override has several values, the study cannot vary a key,
         or a configuration is refused.
     """
-    from owtsweep.io.steps import show_steps
+    from owtsweep.io.terminal import show_steps
 
     key, configs = compose_each(options.overrides, options.config_dir)
     if options.cfg:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -55,8 +56,8 @@ def rank_values(values: Sequence[object]) -> list[int]:
     If all are numbers, they are ordered by size, otherwise by their first appearance.
     """
     numeric = all(isinstance(write(value), int | float) for value in values)
-    names = pd.Series(values if numeric else [identify(value) for value in values])
-    return [int(rank) for rank in names.factorize(sort=numeric)[0]]
+    names: list[Any] = list(values) if numeric else [identify(value) for value in values]
+    return [int(rank) for rank in pd.Series(names).factorize(sort=numeric)[0]]
 
 
 @dataclass(frozen=True)

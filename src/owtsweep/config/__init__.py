@@ -6,9 +6,9 @@ This package knows no study: `owtsweep.studies` finds the YAML files and the mod
 calls the three steps in order. After the first step no OmegaConf objects are used.
 """
 
-from owtsweep.config.axes import Axis
 from owtsweep.config.common import AnyConfig, Compute, Config, Tree
 from owtsweep.config.composition import admit, compose_plain, conf_directory, get_key
+from owtsweep.config.grid import Axis
 from owtsweep.config.section import Finite, NotNegative, Plain, Positive, Section, key
 from owtsweep.config.stored import dump, dump_with_units
 from owtsweep.config.typed import as_mapping, changed, checked, typed, with_values

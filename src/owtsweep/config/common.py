@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import field_validator
 
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.config.section import NotNegative, Positive, Section, key
 from owtsweep.errors import require
 

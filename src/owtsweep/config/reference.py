@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from owtsweep.config.axes import is_axis
+from owtsweep.config.grid import is_axis
 from owtsweep.config.section import bare_type, is_section, item_type, list_marks, read_facts
 
 TYPES: dict[Any, str] = {

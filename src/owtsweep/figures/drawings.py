@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
-from owtsweep.io.steps import tell_step
+from owtsweep.io.terminal import tell_step
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -23,7 +23,7 @@ from rich.text import Text
 from owtsweep.figures import margin
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane, Row
-from owtsweep.io.parted_table import break_columns
+from owtsweep.io.terminal import break_columns
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import show_error
 

@@ -33,7 +33,7 @@ def make_part(
     """Return the data of one tuning: plain lists, texts and numbers.
 
     exact: whether the values are expected ones, and no samples of records.
-    details: what `owtsweep.sweep.details` has kept of records, as JSON data.
+    details: what `owtsweep.sweep.page` has kept of records, as JSON data.
     help: how to get details, where there are none.
     """
     cube, floats, grid = contents.cube, array("f"), get_grid(contents)

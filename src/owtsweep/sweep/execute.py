@@ -19,7 +19,7 @@ from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from owtsweep import compiled  # in this form the module counts as no source of kernels
-from owtsweep.io.search_path import no_modules_of_this_folder
+from owtsweep.process import no_modules_of_this_folder
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback, WrongRows
 from owtsweep.sweep.store import DamagedShard, decode

@@ -366,7 +366,7 @@ class Run:
         Raises InputError if no case has succeeded, or the study has no record to show.
         Raises OSError if the file system refuses the file.
         """
-        from owtsweep.sweep.details import dump_details, make_details
+        from owtsweep.sweep.page import dump_details, make_details
 
         details = {}
         for tuning, result in self._find_results(results).items():

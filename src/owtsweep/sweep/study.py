@@ -10,9 +10,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import sqrt
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from owtsweep.config import AnyConfig, Config, Plain
 from owtsweep.errors import InputError, as_text, require
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition, Value
     from owtsweep.results.contents import Contents
     from owtsweep.sweep.gather import Results
-    from owtsweep.sweep.levers import Lever
 
     C = TypeVar("C", bound=Config)
 
@@ -224,6 +224,43 @@ class Engine(ABC):
         measured blocks of this kind, e.g. those of a user's scheme.
         """
         return None
+
+
+class Lever(NamedTuple):
+    """A change of one key that may lessen the errors.
+
+    words: what is done, e.g. "half the noise of a fix".
+    key: of the configuration, or a config group; `grid.` and the name of an axis for the one value
+        that this axis has.
+    change: Returns the new value of the key's value; None: there is nothing to change.
+    near: factors of the key's value that are tried in this order where the new one is refused: a
+        rate must fit another one, a delay its steps.
+    """
+
+    words: str
+    key: str
+    change: Callable[[Any], Any]
+    near: tuple[float, ...] = ()
+
+
+def halve(value: float | None) -> float | None:
+    """Return half of a value; None if it is zero or not set."""
+    return value / 2.0 if value else None
+
+
+def halve_whole(value: float | None) -> float | None:
+    """Return half of a whole number, rounded down; None if it is zero or not set."""
+    return float(int(value) // 2) if value else None
+
+
+def halve_logarithm(factor: float) -> float | None:
+    """Return the root of a factor on a true value; None if it is one already."""
+    return sqrt(factor) if factor != 1.0 else None
+
+
+def double(value: float | None) -> float | None:
+    """Return twice a value; None if it is zero or not set."""
+    return 2.0 * value if value else None
 
 
 class Study(ABC):

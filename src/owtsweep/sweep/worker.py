@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 from owtsweep._version import __version__
 from owtsweep.config import Config
 from owtsweep.errors import as_text
-from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.process import keep_freed_memory
 from owtsweep.sweep.keys import block_key, list_versions
 from owtsweep.sweep.log import collect_records, working_on
 from owtsweep.sweep.plan import Plan

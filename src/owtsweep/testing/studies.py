@@ -21,7 +21,7 @@ from pydantic.fields import FieldInfo
 from rich.console import Console
 
 from owtsweep.config import Config, Plain, Section, as_mapping, with_values
-from owtsweep.config.records import CONTEST_KEYS
+from owtsweep.config.grid import CONTEST_KEYS
 from owtsweep.config.section import bare_type
 from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import VERDICT_COLUMNS

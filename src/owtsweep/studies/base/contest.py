@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from owtsweep.config import Config
 from owtsweep.config.common import Record
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BeforeValidator
 
 from owtsweep.config import Positive, Section, key
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 
 
 class Mode(Section):

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from owtsweep import estimation, evaluation, motion
 from owtsweep.studies.base.study import DeclaredStudy
-from owtsweep.sweep.levers import Lever, double, halve
-from owtsweep.sweep.study import add_versions
+from owtsweep.sweep.study import Lever, add_versions, double, halve
 
 __all__ = ["BladeStudy"]
 

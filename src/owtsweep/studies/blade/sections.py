@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.studies.base.keys import Mode, key_of_vector, only_freedoms
 
 #: Translations of the centre of gravity (longitudinal, lateral, vertical), then angles as the paper

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from owtsweep import estimation, evaluation, motion, sensing, waves
 from owtsweep.studies.base.study import DeclaredStudy
-from owtsweep.sweep.levers import Lever, halve, halve_whole
-from owtsweep.sweep.study import add_versions
+from owtsweep.sweep.study import Lever, add_versions, halve, halve_whole
 
 __all__ = ["FloaterStudy"]
 

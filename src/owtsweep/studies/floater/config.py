@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base import keys
 from owtsweep.studies.base.contest import ContestConfig

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key, require
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.config.section import require_magnitude
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.motion.spectra import Spectrum, printed, translated

@@ -15,8 +15,7 @@ from owtsweep.studies.hub.conditions import find_world, list_departing, require_
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
 from owtsweep.studies.hub.untold import list_untold
-from owtsweep.sweep.levers import Lever, double, halve
-from owtsweep.sweep.study import Engine, Study, Tuned, Varied, add_versions
+from owtsweep.sweep.study import Engine, Lever, Study, Tuned, Varied, add_versions, double, halve
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, as_text, require
-from owtsweep.io.steps import tell_step
+from owtsweep.io.terminal import tell_step
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.results.status import OK
 from owtsweep.statistics.contest import agree, group_coinciding

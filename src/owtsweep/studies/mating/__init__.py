@@ -9,8 +9,7 @@ from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.studies.base.study import ContestStudy
 from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.registry import get_study
-from owtsweep.sweep.levers import Lever, halve
-from owtsweep.sweep.study import Engine
+from owtsweep.sweep.study import Engine, Lever, halve
 
 __all__ = ["MatingStudy"]
 

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import key_of_axes
 

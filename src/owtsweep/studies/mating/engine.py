@@ -8,7 +8,7 @@ from dataclasses import replace
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import UNABLE
 from owtsweep.studies.base.blocks import Planned, PlanPart, explain, plan_blocks

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.freed_memory import give_back_freed_memory
+from owtsweep.process import give_back_freed_memory
 from owtsweep.streams import Streams, stream
 from owtsweep.studies.hub.public import ForceNoise, Sensors, fix_count, fix_noise, simulate_bias
 from owtsweep.studies.replay.config import ReplayConfig

@@ -76,7 +76,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     from rich.console import Group
     from rich.text import Text
 
-    from owtsweep.io.parted_table import PartedTable
+    from owtsweep.io.terminal import PartedTable
 
     parts: list[RenderableType] = []
     lines: list[str] = []

@@ -12,8 +12,7 @@ from owtsweep.config import Plain
 from owtsweep.config.typed import as_mapping
 from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.sweep.levers import Lever, halve, halve_logarithm
-from owtsweep.sweep.study import Placed, PlaceQuestion, add_versions
+from owtsweep.sweep.study import Lever, Placed, PlaceQuestion, add_versions, halve, halve_logarithm
 
 __all__ = ["TowerStudy"]
 

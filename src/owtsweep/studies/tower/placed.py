@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.arrays import Array
-from owtsweep.io.parted_table import start_table
+from owtsweep.io.terminal import start_table
 from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth

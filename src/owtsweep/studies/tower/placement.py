@@ -28,7 +28,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.estimation.augmented import augment_walks
 from owtsweep.estimation.periodic import CovarianceMap, find_steady_covariance
-from owtsweep.io.steps import tell_step
+from owtsweep.io.terminal import tell_step
 from owtsweep.studies.tower.contract import Channel, Kind, Setting
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes.filtered import find_noise

@@ -8,7 +8,7 @@ from itertools import pairwise
 from owtsweep.config import changed
 from owtsweep.config.hints import suggest_name
 from owtsweep.errors import require
-from owtsweep.io.steps import tell_step
+from owtsweep.io.terminal import tell_step
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors

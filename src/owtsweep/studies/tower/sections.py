@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
-from owtsweep.config.records import Records
+from owtsweep.config.grid import Records
 from owtsweep.errors import require
 
 #: Name of a list of sensors in the section `sensors` -> kind of its channels.

@@ -14,7 +14,7 @@ from owtsweep._version import __version__
 from owtsweep.arrays import Array
 from owtsweep.config import Plain, as_mapping, with_values
 from owtsweep.errors import require
-from owtsweep.io.parted_table import start_table
+from owtsweep.io.terminal import start_table
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.base.axes import Cell

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed, require
-from owtsweep.io.steps import tell_step
+from owtsweep.io.terminal import tell_step
 from owtsweep.results.conditions import Condition, Value, show_value
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.figures.drawings import save_figure
-from owtsweep.io.parted_table import start_table
 from owtsweep.io.tables import write_table
+from owtsweep.io.terminal import start_table
 from owtsweep.results.conditions import show_value
 from owtsweep.studies.base.varying.errors import Errors
 from owtsweep.studies.base.varying.sentences import answer_each

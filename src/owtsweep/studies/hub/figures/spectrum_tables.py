@@ -12,8 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from owtsweep.figures.drawings import save_figure
-from owtsweep.io.parted_table import start_table
 from owtsweep.io.tables import write_table
+from owtsweep.io.terminal import start_table
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_truth

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep._version import __version__
 from owtsweep.config import Plain, with_values
 from owtsweep.errors import require
-from owtsweep.io.parted_table import start_table
+from owtsweep.io.terminal import start_table
 from owtsweep.studies.base.tuning.tuned import Gain, compare, dump_tuning, require_other_seed
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import HubConfig

@@ -1,8 +1,14 @@
-"""Tables for the terminal: one with a title, one that goes on below where it does not fit."""
+"""What a terminal shows: the steps of a command that takes long, and tables.
+
+One table has a title, another one goes on below where it does not fit.
+"""
 
 from __future__ import annotations
 
+import logging
+import sys
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,8 +16,38 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderResult
     from rich.table import Table
 
+_logger = logging.getLogger("owtsweep.steps")
 #: Spaces between two columns; the last of them is the column line of rich's box.
 GAP = 2
+
+
+def tell_step(text: str) -> None:
+    """Say what begins now, e.g. "figure 3 of 17: mse_3s"; unheard outside `show_steps`."""
+    _logger.debug("%s", text)
+
+
+@contextmanager
+def show_steps() -> Iterator[None]:
+    """Print each step on stderr while the context is open, if stderr is a terminal."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True)
+
+    class Printing(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            console.print(record.getMessage(), markup=False, highlight=False)
+
+    handler, level = Printing(), _logger.level
+    _logger.addHandler(handler)
+    _logger.setLevel(logging.DEBUG)
+    try:
+        yield
+    finally:
+        _logger.removeHandler(handler)
+        _logger.setLevel(level)
 
 
 def start_table(title: str, **more: Any) -> Table:

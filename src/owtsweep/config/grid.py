@@ -1,20 +1,22 @@
-"""Axes of a grid: lists of values in the configuration, where an entry may be a range of numbers.
+"""The section `grid` of a configuration: its axes, and how many records a cell of the map gets.
 
-The axis `[{log: [0.05, 10, 5]}, 20]` has five logarithmically spaced numbers from 0.05 to 10, and
-then 20. The entry `{linear: [1, 3, 5]}` is five equally spaced numbers from 1 to 3. Ranges are
-replaced by their numbers when a configuration is read, so config.yaml stores numbers.
+An axis is a list of values, where an entry may be a range of numbers. The axis `[{log: [0.05, 10,
+5]}, 20]` has five logarithmically spaced numbers from 0.05 to 10, and then 20. The entry `{linear:
+[1, 3, 5]}` is five equally spaced numbers from 1 to 3. Ranges are replaced by their numbers when a
+configuration is read, so config.yaml stores numbers.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
-from owtsweep.config.section import list_marks
+from owtsweep.config.section import Positive, Section, key, list_marks
+from owtsweep.statistics.deciding import FIRST, LOOKS, MARGIN, MOST
 
 ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
 #: A range with more points than this is refused as a typing error.
@@ -93,3 +95,79 @@ def _numbers(entry: Mapping[str, Sequence[float]]) -> list[float]:
         ratio = last / first
         between = [first * ratio ** (i / (points - 1)) for i in range(1, points - 1)]
     return [first, *(float(f"{number:.{DIGITS}g}") for number in between), last]
+
+
+#: Most records of a cell in a fixed design.
+MOST_RECORDS = 1_000_000
+_FIRST_LOOKS = f"{', '.join(map(str, LOOKS[:7]))}, ..."
+
+
+def _read_count(value: object) -> object:
+    if value == "auto":
+        return value
+    whole = int(value) if isinstance(value, float) and value.is_integer() else value
+    try:
+        count = int(str(whole))
+    except ValueError:
+        raise ValueError(f"{value!r} is neither a whole number nor auto") from None
+    if count < 1:
+        raise ValueError(f"{value} must be at least 1")
+    if count > MOST_RECORDS:
+        raise ValueError(f"{value} is more than {MOST_RECORDS}; lower it")
+    return count
+
+
+def _require_look(most: int) -> int:
+    if most not in LOOKS:
+        raise ValueError(
+            f"{most} is not the number of records of a look; use one of {_FIRST_LOOKS}"
+        )
+    return most
+
+
+class Records(Section):
+    """The keys of the section `grid` of every study, besides those of its axes."""
+
+    replicates: Annotated[int | Literal["auto"], BeforeValidator(_read_count)] = key(
+        "records per cell, each with random numbers of its own; auto: until the cell is decided"
+    )
+    margin: Positive = key(
+        "with auto: the difference of two errors that does not matter, as a part of the error",
+        default=MARGIN,
+        le=1,
+    )
+    most: Annotated[int, AfterValidator(_require_look)] = key(
+        f"with auto: most records per cell, one of {_FIRST_LOOKS}", default=MOST
+    )
+    budget: Positive | None = key(
+        "with auto: after this time no further look begins; the same command goes on", unit="s",
+        default=None,
+    )  # fmt: skip
+
+    @property
+    def decides(self) -> bool:
+        """Whether cells get records until they are decided."""
+        return self.replicates == "auto"
+
+    @property
+    def first(self) -> int:
+        """Number of records that every cell gets."""
+        return FIRST if self.replicates == "auto" else self.replicates
+
+    @property
+    def greatest(self) -> int:
+        """Most records that a cell may get."""
+        return self.most if self.replicates == "auto" else self.replicates
+
+    def count_records(self) -> str:
+        """Return in words how many records a cell has, e.g. "20" or "8 to 256"."""
+        return " to ".join(dict.fromkeys((str(self.first), str(self.greatest))))
+
+    def describe_records(self) -> str:
+        """Return in words that a cell has so many records."""
+        until = ", until it is decided" * (self.greatest > self.first)
+        return f"{self.count_records()} record{'s' * (self.replicates != 1)} per cell{until}"
+
+
+#: Keys of `grid` that say how a contest goes on, not what it is over.
+CONTEST_KEYS = frozenset(Records.model_fields) - {"replicates"}

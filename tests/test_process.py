@@ -8,12 +8,12 @@ import sys
 
 import pytest
 
-from owtsweep import freed_memory
+from owtsweep import process
 
 AGAIN_AND_AGAIN = """
 import resource
 import numpy as np
-from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.process import keep_freed_memory
 
 {call}
 for _ in range(3):
@@ -47,14 +47,14 @@ def test_the_system_does_not_clear_the_same_pages_again():
 
 
 def test_other_systems_are_left_alone(monkeypatch):
-    monkeypatch.setattr(freed_memory.sys, "platform", "darwin")
-    monkeypatch.setattr(freed_memory.ctypes, "CDLL", lambda name: pytest.fail("not glibc"))
-    freed_memory.keep_freed_memory()
-    freed_memory.give_back_freed_memory()
+    monkeypatch.setattr(process.sys, "platform", "darwin")
+    monkeypatch.setattr(process.ctypes, "CDLL", lambda name: pytest.fail("not glibc"))
+    process.keep_freed_memory()
+    process.give_back_freed_memory()
 
 
 def test_another_allocator_is_left_alone(monkeypatch):
-    monkeypatch.setattr(freed_memory.sys, "platform", "linux")
-    monkeypatch.setattr(freed_memory.ctypes, "CDLL", lambda name: object())
-    freed_memory.keep_freed_memory()
-    freed_memory.give_back_freed_memory()
+    monkeypatch.setattr(process.sys, "platform", "linux")
+    monkeypatch.setattr(process.ctypes, "CDLL", lambda name: object())
+    process.keep_freed_memory()
+    process.give_back_freed_memory()
