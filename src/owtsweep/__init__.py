@@ -26,20 +26,13 @@ __all__ = [
 ]  # fmt: skip
 
 _HOMES = {
+    **dict.fromkeys(("advise", "estimate", "load", "online", "replay", "run"), "owtsweep.api"),
+    **dict.fromkeys(
+        ("Estimate", "EstimatedRecord", "Innovation", "Reading"), "owtsweep.evaluation.estimate"
+    ),
     "Advice": "owtsweep.advice.advising",
-    "Estimate": "owtsweep.evaluation.estimate",
-    "EstimatedRecord": "owtsweep.evaluation.estimate",
-    "InputError": "owtsweep.errors",
-    "Innovation": "owtsweep.evaluation.estimate",
-    "Reading": "owtsweep.evaluation.estimate",
     "Replay": "owtsweep.studies.replay.running",
     "Run": "owtsweep.sweep.runs",
-    "advise": "owtsweep.api",
-    "estimate": "owtsweep.api",
-    "load": "owtsweep.api",
-    "online": "owtsweep.api",
-    "replay": "owtsweep.api",
-    "run": "owtsweep.api",
 }
 
 

@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -137,33 +137,12 @@ def usable_directory() -> Path:
     return directory
 
 
-def njit(function: object) -> Any:
+def njit(function: object, **options: Any) -> Any:
     """Return a function that numba compiles when it is first called, and caches on disk.
 
     It runs without Python's global lock (GIL), and computes in the order of the source (no
-    fastmath).
+    fastmath). `options` are further ones of numba's.
     """
-    return _compiled(function)
-
-
-def part(function: object) -> Any:
-    """Return a function that only kernels call: its code becomes a part of each of them.
-
-    What does not change from one call to the next is then fetched once, numba counts no references
-    to arrays on the way, and no interface to Python is compiled.
-    """
-    return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-
-
-def pasted(function: object) -> Any:
-    """Return a function whose source is pasted into kernels that call it; Python can call it, too.
-
-    It is for a few lines that call larger parts, which would else be optimised once more.
-    """
-    return _compiled(function, inline="always")
-
-
-def _compiled(function: object, **options: Any) -> Any:
     import numba
 
     _announce_when_compiling()
@@ -175,3 +154,12 @@ def _compiled(function: object, **options: Any) -> Any:
         )
     finally:
         numba.config.CACHE_DIR = previous
+
+
+#: For a function that only kernels call: its code becomes a part of each of them. What does not
+#: change from one call to the next is then fetched once, numba counts no references to arrays on
+#: the way, and no interface to Python is compiled.
+part = partial(njit, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+#: For a function whose source is pasted into kernels that call it; Python can call it, too. It is
+#: for a few lines that call larger parts, which would else be optimised once more.
+pasted = partial(njit, inline="always")

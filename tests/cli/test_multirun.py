@@ -202,6 +202,6 @@ def test_a_results_folder_of_special_characters_holds_the_runs():
 def test_a_quoted_text_is_read_back(text):
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
-    from owtsweep.cli.multirun import quoted
+    from owtsweep.config.composition import quoted
 
     assert OverridesParser.create().parse_override(f"x={quoted(text)}").value() == text

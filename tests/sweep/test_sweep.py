@@ -262,13 +262,13 @@ def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeyp
     every = Executor._run_round
     rounds = []
 
-    def losing_two(self, work, tasks, numbers, *arguments):
+    def losing_two(self, tasks, numbers, *arguments):
         rounds.append(len(numbers))
-        results = every(self, work, tasks, numbers, *arguments)
+        results = every(self, tasks, numbers, *arguments)
         if len(rounds) == 1:
             next(results)  # its shards are stored
             for key in tasks[next(results).task]:  # and these are not
-                work.store.path(key).unlink()
+                self.work.store.path(key).unlink()
         yield from results
 
     monkeypatch.setattr(Executor, "_run_round", losing_two)

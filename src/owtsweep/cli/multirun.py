@@ -20,7 +20,7 @@ from owtsweep.cli.combinations import Combination, combine, count_runs, parse
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
 from owtsweep.cli.running import foretell, run_one, write_or_tell
 from owtsweep.config import Config, Tree, changed, dump_with_units
-from owtsweep.config.composition import compose_hydra, require_readable
+from owtsweep.config.composition import compose_hydra, quoted, require_readable
 from owtsweep.config.hints import hydra_in_one_line
 from owtsweep.config.option_files import names_file
 from owtsweep.config.tuned import GROUP
@@ -205,13 +205,6 @@ def _tell(
     if bad and not stopped:
         print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
     return outcomes
-
-
-def quoted(text: str) -> str:
-    """Return a text in Hydra's quotes, in which every character stands for itself."""
-    escaped = re.sub(r"(\\*)'", r"\1\1\'", text)  # backslashes count only before a quote
-    escaped = re.sub(r"(\\+)$", r"\1\1", escaped)
-    return f"'{escaped}'"
 
 
 def _refuse_tuning_files(overrides: Sequence[str]) -> None:

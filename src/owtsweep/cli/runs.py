@@ -14,7 +14,7 @@ from owtsweep.errors import InputError, printable, shorten
 from owtsweep.io.reading import expand_home, read_json, require_folder
 from owtsweep.io.tables import read_map
 from owtsweep.sweep.manifest import read_manifest
-from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE
+from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE, read_blocks
 
 #: Folders of runs may lie in folders of multiruns, and those in the folder that is listed.
 DEEPEST = 3
@@ -127,19 +127,12 @@ def _describe_state(folder: Path, state: str) -> str:
     """
     if not os.path.lexists(folder / PLAN_FILE) or not (folder / "cases").is_dir():
         return "a copy without its cases"
-    stored = read_json(folder / PLAN_FILE, MOST_BYTES)
-    blocks = stored.get("blocks") if isinstance(stored, dict) else None
-    if not isinstance(blocks, list):
-        raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again")
-    there = {path.name for path in (folder / "cases").glob("part-*.parquet")}
+    path = folder / PLAN_FILE
+    there = {shard.name for shard in (folder / "cases").glob("part-*.parquet")}
     cases = missing = 0
-    for block in blocks:
-        match block:
-            case [str(key), str(_), int(count), *_]:
-                cases += count
-                missing += count * (f"part-{key}.parquet" not in there)
-            case _:
-                raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again")
+    for block, key, _ in read_blocks(path, read_json(path, MOST_BYTES)):
+        cases += block.cases
+        missing += block.cases * (f"part-{key}.parquet" not in there)
     if missing:
         running = ", running or killed" if state == "running" else ""
         return f"{missing} of {cases} cases missing{running}"

@@ -94,25 +94,25 @@ def _choose_path(output: str | None, config: Config) -> Path:
 @contextmanager
 def _progress(total: int) -> Iterator[Callable[[str], None]]:
     """Show a bar with the trials made, or, if stderr is no terminal, a line for each scheme."""
-    if not sys.stderr.isatty():
-        seen: set[str] = set()
-
-        def tell(scheme: str) -> None:
-            if scheme not in seen:
-                print(f"tuning {scheme} ({total} trials for all schemes)", file=sys.stderr)
-            seen.add(scheme)
-
-        yield tell
-        return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (
+    bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.completed:.0f} of {task.total:.0f} trials"),
         TimeRemainingColumn(),
+        console=Console(stderr=True),
+        disable=not sys.stderr.isatty(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("tuning", total=total)
-        yield lambda scheme: bar.update(task, advance=1, description=f"tuning {scheme}")
+    task = bar.add_task("tuning", total=total)
+    seen: set[str] = set()
+
+    def tell(scheme: str) -> None:
+        bar.update(task, advance=1, description=f"tuning {scheme}")
+        if bar.disable and scheme not in seen:
+            print(f"tuning {scheme} ({total} trials for all schemes)", file=sys.stderr)
+        seen.add(scheme)
+
+    with bar:
+        yield tell

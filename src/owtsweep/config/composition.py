@@ -54,6 +54,13 @@ def quote_home(override: str) -> str:
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
+def quoted(text: str) -> str:
+    """Return a text in Hydra's quotes, in which every character stands for itself."""
+    from hydra.core.override_parser.types import Quote, QuotedString
+
+    return QuotedString(text, Quote.single).with_quotes()
+
+
 def require_readable(overrides: Sequence[str]) -> None:
     """Check what Hydra would answer with an error of several lines or of another kind.
 

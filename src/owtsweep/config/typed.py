@@ -108,17 +108,16 @@ def in_one_line(error: ValidationError, model: type[Section]) -> str:
             keys = list_keys(entry, f"{section}.") if is_section(entry) else []
             return explain_unknown_key(key, keys)
         return explain_unknown_key(key, list_keys(model))
-    if kind == "missing":
-        return f"{key}: this key has no value; give it one"
-    if kind == "dict_type":
-        return f"{key}: {value!r} is no mapping of names"
-    if kind == "model_type":
-        prefix = f"{key}." if key else ""
-        return f"{key}: {value!r} is one value where keys are expected; use {prefix}<key>=..."
-    if kind == "list_type":
-        return f"{key}: {value!r} is no list; use e.g. {key}=[{value}]"
-    if kind == "value_error":
-        return f"{key}: {limits['error']}"
+    prefix = f"{key}." if key else ""
+    plain = {
+        "missing": "this key has no value; give it one",
+        "dict_type": f"{value!r} is no mapping of names",
+        "model_type": f"{value!r} is one value where keys are expected; use {prefix}<key>=...",
+        "list_type": f"{value!r} is no list; use e.g. {key}=[{value}]",
+        "value_error": str(limits.get("error")),
+    }
+    if kind in plain:
+        return f"{key}: {plain[kind]}"
     field = fields_along(model, path)[-1]
     facts = read_facts(field)
     unit, form = facts["unit"], facts["form"]

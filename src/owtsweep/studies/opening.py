@@ -16,7 +16,7 @@ from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.studies import registry
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import question_hash
-from owtsweep.sweep.plan import read_blocks, read_stored_plan
+from owtsweep.sweep.plan import read_plan, read_stored_plan
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import Study
 
@@ -44,7 +44,7 @@ def open_run(folder: Path) -> Run:
         study.check_over(config)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    plan = read_blocks(folder, stored, config)
+    plan = read_plan(folder, stored, config)
     return Run(folder, config, study, plan, question_hash(config), home)
 
 

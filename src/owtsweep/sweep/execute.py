@@ -74,9 +74,9 @@ class Executor:
         local = Local(threading.Event(), tell) if backend == "threading" else None
         sharing = _make_shared_file(folder) if backend == "dask" else nullcontext()
         with no_modules_of_this_folder(), sharing as file:
-            work = replace(self.work, shared=file and file.name)
+            work = replace(self.work, shared=file and file.name, local=local)
             try:
-                with closing(self._run_rounds(work, queue, local)) as results:
+                with closing(replace(self, work=work)._run_rounds(queue)) as results:
                     for result in results:
                         reported.add(result.task)
                         self._store_returned(result)
@@ -90,16 +90,13 @@ class Executor:
                 if local is not None:
                     local.stop.set()
 
-    def _run_rounds(
-        self, work: Work, tasks: list[Plan], local: Local | None
-    ) -> Generator[TaskResult]:
+    def _run_rounds(self, tasks: list[Plan]) -> Generator[TaskResult]:
         """Run all tasks, and yield their results; if a worker dies, find the block that killed it.
 
         A block is a part of a task, stored as one file. A broken pool of processes does not say
         which task has broken the pool. So all tasks that were running are suspects. The suspects
         run again, one half after the other, until a single suspect is left. Then each of the
-        suspect's blocks runs as a task of its own, which is appended to `tasks`. `local` is what
-        threads share with the sweep; None for processes and other machines.
+        suspect's blocks runs as a task of its own, which is appended to `tasks`.
         """
         rounds = deque([list(range(len(tasks)))])
         while rounds:
@@ -108,7 +105,7 @@ class Executor:
             reported: set[int] = set()
             guilty: dict[int, str] = {}
             try:
-                for result in self._run_round(work, tasks, numbers, sent, local):
+                for result in self._run_round(tasks, numbers, sent):
                     reported.add(result.task)
                     if result.lost:
                         guilty[result.task] = result.lost
@@ -138,13 +135,10 @@ class Executor:
                 yield self._count_stored(number, blocks, reason)
 
     def _run_round(
-        self,
-        work: Work,
-        tasks: Sequence[Plan],
-        numbers: list[int],
-        sent: list[int],
-        local: Local | None,
+        self, tasks: Sequence[Plan], numbers: list[int], sent: list[int]
     ) -> Iterator[TaskResult]:
+        """Run the tasks of some numbers; `sent` receives each number before its task begins."""
+        work, local = self.work, self.work.local
         if self.client is not None:
             from owtsweep.sweep.cluster import run_tasks
 
@@ -159,11 +153,11 @@ class Executor:
         def calls() -> Iterator[object]:
             for number in numbers:
                 sent.append(number)
-                yield delayed(run_task)(work, number, tasks[number], local)
+                yield delayed(run_task)(work, number, tasks[number])
 
         if local is not None:
             local.stop.clear()  # the previous round set it to stop the workers that were left
-        with _hold_interrupts(self.work.backend == "loky"):
+        with _hold_interrupts(work.backend == "loky"):
             results: Generator[TaskResult] = self._make_parallel(len(numbers))(calls())
         try:
             yield from results

@@ -10,11 +10,11 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Config, require
 from owtsweep.config.over import NOMINAL, name_worlds
@@ -171,36 +171,49 @@ def is_of_other_version(study: Study, folder: Path) -> bool:
     return False
 
 
-def read_blocks(folder: Path, stored: Mapping[str, object], config: Config) -> Plan:
-    """Return the blocks of a stored plan by key.
+def read_blocks(path: Path, stored: object) -> Iterator[tuple[Block, str, list[Any]]]:
+    """Yield each block of a stored plan, its key, and the names of its tunings or worlds.
 
-    These blocks have no content, so their rows can be read, but not computed.
+    These blocks have no content, so their rows can be read, but not computed. `path` is that of
+    plan.json, and `stored` what it holds.
+
+    Raises InputError if there are no blocks, or a block is not of the form that `dump_plan` writes.
+    """
+    match stored:
+        case {"blocks": [*entries]} if entries:
+            pass
+        case _:
+            raise _refuse(path)
+    for entry in entries:
+        match entry:
+            case [str(key), str(label), int(cases), int(per_row), *names] if (
+                _KEY.fullmatch(key) and cases > 0 and per_row > 0
+            ):
+                yield Block("", printable(label), {}, cases, per_row), key, names
+            case _:
+                raise _refuse(path)
+
+
+def read_plan(folder: Path, stored: object, config: Config) -> Plan:
+    """Return the blocks of a stored plan by key.
 
     folder: the run folder, for messages.
     stored: What `read_stored_plan` returns.
     config: the configuration of the run. It has several tunings, several worlds, or one of both.
-    Raises InputError if there are no blocks, or a block is not of the form that `dump_plan` writes.
+    Raises InputError as `read_blocks`, or if a block names no tuning or world of the run.
     """
-    blocks = stored.get("blocks")
-    if not isinstance(blocks, list) or not blocks:
-        raise _refuse(folder / PLAN_FILE)
     plan: Plan = {}
     worlds = [] if config.over is None else [NOMINAL, *name_worlds(config.over)]
     known = worlds or [name for name in config.by_tuning() if name]
-    for entry in blocks:
-        match entry:
-            case [str(key), str(label), int(cases), int(per_row), *names] if (
-                _KEY.fullmatch(key) and cases > 0 and per_row > 0 and _fit(names, known)
-            ):
-                of = tuple(names[0]) if names else ()
-                block = Block("", printable(label), {}, cases, per_row)
-                plan[key] = replace(block, worlds=of) if worlds else replace(block, tunings=of)
-            case _:
-                raise _refuse(folder / PLAN_FILE)
+    for block, key, names in read_blocks(folder / PLAN_FILE, stored):
+        if not _fit(names, known):
+            raise _refuse(folder / PLAN_FILE)
+        of = tuple(names[0]) if names else ()
+        plan[key] = replace(block, worlds=of) if worlds else replace(block, tunings=of)
     return plan
 
 
-def _fit(names: list[object], known: Collection[str]) -> bool:
+def _fit(names: list[Any], known: Collection[str]) -> bool:
     """Return whether a block's entry names tunings or worlds of the run, none if it has one."""
     if not known:
         return not names

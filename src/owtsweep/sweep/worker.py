@@ -87,35 +87,6 @@ class TaskResult:
 
 
 @dataclass(frozen=True)
-class Work:
-    """What a worker needs to know; it is pickled for processes and other machines.
-
-    study, config: the study and its configuration.
-    store: the store into which the shards are written.
-    metadata: Entries stored in every shard: the versions in the process that started the sweep.
-    backend: What runs the tasks: "threading", "loky" (processes) or "dask" (a cluster).
-    shared: the path of a file in the run folder, by which another machine recognises that it sees
-        this folder. None if there is no such file.
-    """
-
-    study: Study
-    config: Config
-    store: Store
-    metadata: Mapping[str, str]
-    backend: str
-    shared: str | None = None
-
-    def shares_folder(self) -> bool:
-        """Return whether the worker sees the run folder of the process that started the sweep.
-
-        On another machine, a different folder may have the same path.
-        """
-        if self.backend != "dask":
-            return True
-        return self.shared is not None and os.path.isfile(self.shared)
-
-
-@dataclass(frozen=True)
 class Local:
     """What threads share with the sweep that started them: a stop flag and a progress callback.
 
@@ -125,6 +96,37 @@ class Local:
 
     stop: threading.Event
     tell: Callable[[int], None]
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a worker needs to know; it is pickled for processes and other machines.
+
+    study, config: the study and its configuration.
+    store: the store into which the shards are written.
+    metadata: Entries stored in every shard: the versions in the process that started the sweep.
+    backend: What runs the tasks: "threading", "loky" (processes) or "dask" (a cluster).
+    shared: the path of a file in the run folder, by which another machine recognises that it sees
+        this folder. None if there is no such file.
+    local: what a thread shares with the sweep; None for processes and other machines.
+    """
+
+    study: Study
+    config: Config
+    store: Store
+    metadata: Mapping[str, str]
+    backend: str
+    shared: str | None = None
+    local: Local | None = None
+
+    def shares_folder(self) -> bool:
+        """Return whether the worker sees the run folder of the process that started the sweep.
+
+        On another machine, a different folder may have the same path.
+        """
+        if self.backend != "dask":
+            return True
+        return self.shared is not None and os.path.isfile(self.shared)
 
 
 def all_versions(study: Study) -> dict[str, str]:
@@ -150,13 +152,12 @@ def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
     return f"the worker has {told}; give it the coordinator's version of owtsweep"
 
 
-def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) -> TaskResult:
+def run_task(work: Work, number: int, blocks: Plan) -> TaskResult:
     """Run the blocks (units of work) of one task, and store each block as soon as it is done.
 
     Return the result of the task, whose number is `number`. If a block raises an exception, only
     this block fails, and the remaining blocks are run. If the worker's versions of owtsweep and the
-    study differ from the versions in `work`, all blocks fail. `local` is what a thread shares with
-    the sweep; None for processes and other machines.
+    study differ from the versions in `work`, all blocks fail.
     """
     result = TaskResult(number)
     differs = tell_other_versions(work.study, work.metadata)
@@ -165,7 +166,7 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
         return result
     with collect_records(work.backend != "threading") as records:
         try:
-            _Task(work, blocks, local, result).run()
+            _Task(work, blocks, result).run()
         finally:
             working_on("")
         result.records += records
@@ -175,8 +176,8 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
 class _Task:
     """A task that is under way in a worker."""
 
-    def __init__(self, work: Work, blocks: Plan, local: Local | None, result: TaskResult) -> None:
-        self.work, self.local, self.result = work, local, result
+    def __init__(self, work: Work, blocks: Plan, result: TaskResult) -> None:
+        self.work, self.local, self.result = work, work.local, result
         self.shares = work.shares_folder()
         self.left = dict(blocks)
 
