@@ -76,10 +76,7 @@ class ConsoleProgress(Progress):
 
     def look(self, found: str) -> None:
         """Print what a look has found, above the bar or as a line."""
-        if self._plain:
-            self._say(found)
-        else:
-            self._console.print(found, markup=False, highlight=False)
+        self._say(found)
 
     def advance(self, cases: int) -> None:
         """Count a number of finished cases."""
@@ -91,7 +88,7 @@ class ConsoleProgress(Progress):
         self._bar.update(self._task, failed=failed)
         if not self._plain and reason not in self._reasons:
             self._reasons.add(reason)
-            self._console.print(f"failed: {label}: {reason}", markup=False, highlight=False)
+            self._say(f"failed: {label}: {reason}")
 
     def stop(self) -> None:
         """Stop the bar and leave it on the screen as it is, or print the last line."""
@@ -108,6 +105,10 @@ class ConsoleProgress(Progress):
             self._say(_line(self._bar.tasks[0]))
 
     def _say(self, text: str) -> None:
+        """Print a line, on a terminal above the bar."""
+        if not self._plain:
+            self._console.print(text, markup=False, highlight=False)
+            return
         try:  # not by rich: it would wrap a line, and end the program if a pipe is closed
             print(text, file=self._console.file, flush=True)
         except (OSError, ValueError):
