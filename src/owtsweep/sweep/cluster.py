@@ -29,7 +29,6 @@ PATIENCE_AT_START = 10.0
 PATIENCE = 60.0
 #: Seconds after which the cluster's cores are counted again.
 _LOOK = 1.0
-_NETWORK = ("distributed", "tornado")
 
 
 @contextmanager
@@ -93,19 +92,16 @@ def _greet(address: str) -> None:
 
 @contextmanager
 def _hushed() -> Iterator[None]:
-    """Silence dask and its network library inside the context.
+    """Log nothing inside the context.
 
     Closing a client that looks for a lost scheduler would show a traceback.
     """
-    names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
-    loud = [logger for name in names if not (logger := logging.getLogger(name)).disabled]
-    for logger in loud:
-        logger.disabled = True
+    before = logging.root.manager.disable
+    logging.disable()
     try:
         yield
     finally:
-        for logger in loud:
-            logger.disabled = False
+        logging.disable(before)
 
 
 def _check_workers(client: Client, address: str, study: Study, metadata: Mapping[str, str]) -> None:
