@@ -56,7 +56,7 @@ class Outcome:
     failed: list[Setback] = field(default_factory=list)
     seconds: float = 0.0
     results: Mapping[str, Results] = field(default_factory=dict)
-    unable: Sequence[Setback] = ()
+    unable: list[Setback] = field(default_factory=list)
 
 
 class Interrupted(KeyboardInterrupt):
