@@ -14,7 +14,6 @@ import pandas as pd
 
 from owtsweep.io.files import write_all
 from owtsweep.io.tables import write_table
-from owtsweep.io.terminal import tell_step
 from owtsweep.verdicts.claims_file import ClaimsFile
 from owtsweep.verdicts.inference import (
     MISSING,
