@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from owtsweep.config import Config
+from owtsweep.config import Config, key
 from owtsweep.config.common import Record
 from owtsweep.config.grid import Records
 from owtsweep.results.conditions import Condition
@@ -31,11 +31,14 @@ WINDOW = "settled"
 
 
 class ContestConfig(Config):
-    """What the configurations of all contests have; each declares the keys where they stand."""
+    """What the configurations of all contests have; each declares the other keys itself."""
+
+    inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion"}
+
+    record: Record = key("a record of motion and measurements")
 
     if TYPE_CHECKING:
         grid: Records
-        record: Record
         schemes: Sequence[str | Mapping[str, object]]
         criterion: str
         tune: Tune

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import BeforeValidator
 
 from owtsweep.config import Positive, Section, key
 from owtsweep.config.grid import Records
+from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.contest import ContestConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 
 
 class Mode(Section):
@@ -41,11 +44,6 @@ def key_of_vector(meaning: str, unit: str = "", **facts: Any) -> Any:
     return key(meaning, unit=unit, form=form, min_length=3, max_length=3, **facts)
 
 
-def key_of_tune() -> Any:
-    """Declare the section `tune`."""
-    return key("settings of the command `tune`", default=Tune())
-
-
 def key_of_axes(grid: type[Section]) -> Any:
     """Declare the key `axes`, of names of axes: keys of the section `grid`."""
     names = [name for name in grid.model_fields if name not in Records.model_fields]
@@ -58,25 +56,40 @@ def key_of_axes(grid: type[Section]) -> Any:
     )
 
 
-def key_of_tuning() -> Any:
-    """Declare the key `tuning` of a study whose tunings set the section `filters`."""
-    return key(
-        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
-        "on the same records"
-    )
+G = TypeVar("G", bound=Records)
+F = TypeVar("F", bound=Section)
 
 
-def key_of_tunings() -> Any:
-    """Declare the key `tunings` of such a study."""
-    return key("name: the section filters of this tuning; only with several tunings", default={})
+class Tuned(Section, Generic[F]):
+    """The sections of one tuning in a run of several."""
+
+    filters: F = key("what schemes assume, and their own numbers")
 
 
-def key_of_schemes() -> Any:
-    return key(
+class FilteredConfig(TunedConfig, ContestConfig, Generic[G, F]):
+    """The configuration of a study whose tunings set the section `filters`, of the class F.
+
+    The section `grid` is of the class G.
+    """
+
+    inert: ClassVar[frozenset[str]] = ContestConfig.inert | {"tuning"}
+    tuned: ClassVar[tuple[str, ...]] = ("filters",)
+
+    grid: G = key("what is swept over")
+    schemes: SchemeEntries = key(
         "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
         "of your own",
         min_length=1,
     )
+    tuning: str | list[str] = key(
+        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
+        "on the same records"
+    )
+    tunings: dict[str, Tuned[F]] = key(
+        "name: the section filters of this tuning; only with several tunings", default={}
+    )
+    filters: F = key("what schemes assume, and their own numbers", default=ABSENT)
+    tune: Tune = key("settings of the command `tune`", default=Tune())
 
 
 def only_freedoms(names: Sequence[str]) -> BeforeValidator:

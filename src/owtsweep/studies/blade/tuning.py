@@ -48,12 +48,6 @@ class Tuning(Section):
     )
 
 
-class Tuned(Section):
-    """The sections of one tuning in a run of several."""
-
-    filters: Tuning = key("what schemes assume, and their own numbers")
-
-
 #: What `tune` searches.
 SEARCHED = (
     Searched(

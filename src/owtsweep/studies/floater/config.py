@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
-from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
-from owtsweep.config.common import Record
+from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.grid import Records
-from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base import keys
-from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.tuning import Tuned, Tuning
+from owtsweep.studies.floater.tuning import Tuning
 
 
 class Grid(Records):
@@ -113,22 +109,12 @@ class Sensors(Section):
     )
 
 
-class FloaterConfig(TunedConfig, ContestConfig):
+class FloaterConfig(keys.FilteredConfig[Grid, Tuning]):
     """The configuration of the floater study, with all its keys."""
 
-    inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion", "tuning"}
-    tuned: ClassVar[tuple[str, ...]] = ("filters",)
-
-    grid: Grid = key("what is swept over")
     axes: list[str] = keys.key_of_axes(Grid)
-    record: Record = key("a record of motion and measurements")
     motion: Motion = key("what moves, set by motion=NAME")
     sensors: Sensors = key("the optical system and the inertial unit")
-    tuning: str | list[str] = keys.key_of_tuning()
-    tunings: dict[str, Tuned] = keys.key_of_tunings()
-    filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
-    tune: keys.Tune = keys.key_of_tune()
-    schemes: SchemeEntries = keys.key_of_schemes()
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 
 

@@ -61,12 +61,6 @@ class Tuning(Section):
     )
 
 
-class Tuned(Section):
-    """The sections of one tuning in a run of several."""
-
-    filters: Tuning = key("what schemes assume, and their own numbers")
-
-
 #: The schemes that are Kalman filters of the assumed noise of accelerations.
 KALMAN = (
     "KF_STEADY", "KF", "KF_CONSISTENT", "KF_BIAS", "KF_DELAY", "KF_REPAIRED", "ERROR_STATE",

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
 
-from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
-from owtsweep.config.common import Record
+from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.config.grid import Records
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import key_of_axes
@@ -43,11 +42,10 @@ class Limits(Section):
 
 
 class MatingConfig(ContestConfig):
-    inert = Config.inert | {"axes", "criterion"}
+    """The configuration of the mating study, with all its keys."""
 
     grid: Grid = key("what is swept over")
     axes: list[str] = key_of_axes(Grid)
-    record: Record = key("a record of motions and measurements")
     limits: Limits = key("what counts as together")
     blade: list[str] = key("overrides of study=blade: its motion, inertial unit and sensors")
     hub: list[str] = key("overrides of study=hub: its motion and sensors")

@@ -7,26 +7,21 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import Config, Finite, key
-from owtsweep.config.common import Record
-from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.config import Finite, key
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
-from owtsweep.studies.base import keys
-from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.schemes import SchemeEntries
+from owtsweep.studies.base.keys import FilteredConfig
 from owtsweep.studies.tower import sections
-from owtsweep.studies.tower.tuning import Tuned, Tuning
+from owtsweep.studies.tower.tuning import Tuning
 
 
-class TowerConfig(TunedConfig, ContestConfig):
+class TowerConfig(FilteredConfig[sections.Grid, Tuning]):
     """The configuration of the tower study, with all its keys."""
 
-    inert: ClassVar[frozenset[str]] = Config.inert | {
-        "criterion", "sensors.name", "structure.name", "structure.source", "tuning",
+    inert: ClassVar[frozenset[str]] = FilteredConfig.inert | {
+        "sensors.name", "structure.name", "structure.source",
     }  # fmt: skip
-    tuned: ClassVar[tuple[str, ...]] = ("filters",)
 
     structure: Structure = key(
         "a name in conf/structure, or a YAML file; config.yaml holds all of it"
@@ -39,21 +34,14 @@ class TowerConfig(TunedConfig, ContestConfig):
         min_length=2,
         max_length=2,
     )
-    grid: sections.Grid = key("the axes of the sweep")
-    record: Record = key("a record of loads, motion and measurements")
     truth: sections.Truth = key("the structure as it is")
     recorded: sections.Recorded = key("a record of a structure in place of a simulated one")
     wind: sections.Wind = key("loads of the rotor on the top")
     waves: sections.SeaState = key("the sea, set by sea=NAME")
     sensors: sections.Sensors = key("where sensors are")
     faults: sections.Faults = key("what is wrong with sensors besides white noise")
-    tuning: str | list[str] = keys.key_of_tuning()
-    tunings: dict[str, Tuned] = keys.key_of_tunings()
-    filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: sections.Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    tune: keys.Tune = keys.key_of_tune()
-    schemes: SchemeEntries = keys.key_of_schemes()
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )

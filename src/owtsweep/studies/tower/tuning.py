@@ -48,12 +48,6 @@ class Tuning(Section):
         return in_waves or self.rate_noise or self.process_noise  # none of them is ever 0
 
 
-class Tuned(Section):
-    """The sections of one tuning in a run of several."""
-
-    filters: Tuning = key("numbers of all schemes")
-
-
 #: The filters on the modes of the substructure or of the whole turbine.
 MODAL = (
     "AKF", "AKF_WAVE", "AKF_STEADY", "AKF_LAGGED", "AKF_MATERN12", "AKF_MATERN32", "GDF", "DUAL",
