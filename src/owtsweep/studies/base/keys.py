@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import BeforeValidator
 
-from owtsweep.config import Positive, Section, key
+from owtsweep.config import Plain, Positive, Section, as_mapping, key
 from owtsweep.config.grid import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
@@ -90,6 +90,17 @@ class FilteredConfig(TunedConfig, ContestConfig, Generic[G, F]):
     )
     filters: F = key("what schemes assume, and their own numbers", default=ABSENT)
     tune: Tune = key("settings of the command `tune`", default=Tune())
+
+    def list_content(self) -> Plain:
+        """Return the keys on which every row depends, of one tuning: all but inert ones and grid.
+
+        `schemes` is left out, too: a row is of one scheme; and `engine`, of which there is one.
+        """
+        content = as_mapping(self)
+        for name in (*self.inert, "grid", "schemes", "engine"):
+            section, _, last = name.rpartition(".")
+            (content[section] if section else content).pop(last, None)
+        return content
 
 
 def only_freedoms(names: Sequence[str]) -> BeforeValidator:

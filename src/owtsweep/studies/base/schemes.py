@@ -42,13 +42,11 @@ class Listed(NamedTuple):
         memory come first. A scheme with a latency has 1000 more; one that waits for the end of the
         record, 2000 more. No two of a study are equal: the less common or more demanding one of two
         equal schemes moves up to the next free number.
-    module: the module in which it stands under its name, beside its base; "": a module of its own.
     """
 
     sentence: str
     look: SchemeStyle | None
     simplicity: int
-    module: str = ""
 
 
 class StoredScheme(dict[str, object], AnyScheme):
@@ -97,17 +95,18 @@ SchemeEntries = Annotated[list[Any], BeforeValidator(_check_entries)]
 class SchemeTable:
     """The schemes of a study.
 
-    package: the package with a module for each scheme: the scheme KF is `SCHEME` in its module
-        `kf`. A variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module
-        that its line in `listed` names. Beside the package stands the module `contract`, whose
+    package: the package with the schemes' modules. Beside it stands the module `contract`, whose
         `Scheme` is the class of the study's schemes.
     listed: Name -> what is known of the scheme, in the order of tables and figures.
+    shared: Module -> the schemes that stand there under their names, beside a base. Any other has a
+        module of its own: KF is `SCHEME` in the module `kf`.
     stored: the class of stand-ins for users' schemes of stored runs.
     """
 
     study: str
     package: str
     listed: Mapping[str, Listed]
+    shared: Mapping[str, Sequence[str]]
     stored: type[StoredScheme] = StoredScheme
 
     def __post_init__(self) -> None:
@@ -184,9 +183,9 @@ class SchemeTable:
         if isinstance(entry, Mapping):
             return self._make(entry)
         if entry in self.listed:
-            module = self.listed[entry].module
-            made = import_module(f"{self.package}.{module or entry.lower()}")
-            return getattr(made, entry if module else "SCHEME")  # type: ignore[no-any-return]
+            shared = next((m for m, names in self.shared.items() if entry in names), "")
+            module = import_module(f"{self.package}.{shared or entry.lower()}")
+            return getattr(module, entry if shared else "SCHEME")  # type: ignore[no-any-return]
         for point in entry_points(group=GROUP):
             if point.name == entry:
                 scheme = self._make({"_target_": point.value.replace(":", ".")})

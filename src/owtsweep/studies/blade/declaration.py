@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from owtsweep.config import as_mapping
+from owtsweep.config import Plain
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
@@ -23,8 +23,6 @@ from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.recorded_case import compare_withheld
 from owtsweep.studies.blade.schemes import SCHEMES
 
-#: Keys and sections of the configuration on which every row depends.
-CONTENT = ("seed", "record", "motion", "boom", "unit", "recorded", "sensors", "filters")
 #: Most records of a block, and most samples of its records: it keeps their measurements. To write
 #: and read the file of a block takes as long as a scheme takes for a record.
 MOST_RECORDS, MOST_SAMPLES = 4, 100_000
@@ -49,14 +47,12 @@ UNITS = {
 }
 
 
-def list_content(config: BladeConfig) -> dict[str, object]:
+def list_content(config: BladeConfig) -> Plain:
     """Return what the rows of every block depend on; files of a lift by their bytes."""
-    whole = as_mapping(config)
-    content = {name: whole[name] for name in CONTENT}
-    recorded = config.recorded
+    content, recorded = config.list_content(), config.recorded
     if recorded.imu is not None:
         imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))
-        content["recorded"] = whole["recorded"] | {"imu": imu, "gnss": gnss}
+        content["recorded"] = content["recorded"] | {"imu": imu, "gnss": gnss}
         content["reference"] = config.grid.sigma[0]
     return content
 

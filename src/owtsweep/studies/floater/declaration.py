@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import as_mapping
+from owtsweep.config import Plain
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
@@ -24,8 +24,6 @@ from owtsweep.studies.floater.motion_recorded import read_file
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
 
-#: Keys and sections of the configuration on which every row depends.
-CONTENT = ("seed", "record", "motion", "sensors", "filters")
 #: Most records of a block, and most samples of its records: it keeps their measurements. To write
 #: and read the file of a block takes as long as a scheme takes for a record.
 MOST_RECORDS, MOST_SAMPLES = 10, 500_000
@@ -54,10 +52,9 @@ class Record(NamedTuple):
     measured: Measured
 
 
-def list_content(config: FloaterConfig) -> dict[str, object]:
+def list_content(config: FloaterConfig) -> Plain:
     """Return what the rows of every block depend on; a file of motion by its bytes."""
-    whole = as_mapping(config)
-    content = {name: whole[name] for name in CONTENT}
+    content = config.list_content()
     if config.motion.kind == "recorded":
         content["motion"]["file"] = hash_file(expand_home(str(config.motion.file)))
     return content

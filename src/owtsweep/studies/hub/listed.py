@@ -29,7 +29,6 @@ REGISTERED = {
         "Kalman filter, GNSS innovation zeroed between fixes",
         SchemeStyle("#CC79A7", "s", "-"),
         simplicity=18,  # as MKF, a tie: MKF updates as the textbook does
-        module="mkf",
     ),
     "MKF": Listed(
         "multirate Kalman filter on the undelayed IMU",
@@ -53,19 +52,16 @@ BASELINES = {
         "no estimator: zero position, zero velocity",
         SchemeStyle("#D3CCE3", "*", "-"),
         simplicity=0,  # nothing
-        module="baselines",
     ),
     "HOLD": Listed(
         "the last fix, zero velocity",
         SchemeStyle("#B8AED0", "d", (0, (4, 2))),
         simplicity=2,  # the last fix
-        module="baselines",
     ),
     "DELTA": Listed(
         "the last fix, moved on with the velocity of the last two fixes",
         SchemeStyle("#9C8FBD", "8", (0, (1, 2))),
         simplicity=4,  # the last two fixes
-        module="baselines",
     ),
 }
 #: Name -> what to do where no scheme is better than the baseline.
@@ -151,8 +147,9 @@ class HubTable(SchemeTable):
         return facts
 
 
-#: The schemes and baselines of the study.
-SCHEMES = HubTable("hub", "owtsweep.studies.hub.schemes", LISTED, StoredHubScheme)
+#: The modules with several schemes, and the schemes and baselines of the study.
+SHARED = {"mkf": ("EKF",), "baselines": tuple(BASELINES)}
+SCHEMES = HubTable("hub", "owtsweep.studies.hub.schemes", LISTED, SHARED, StoredHubScheme)
 
 
 def resolve(entry: Entry) -> Scheme:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import as_mapping
+from owtsweep.config import Plain
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
@@ -34,11 +34,6 @@ from owtsweep.studies.tower.wind import read_file
 
 logger = logging.getLogger(__name__)
 
-#: Keys and sections of the configuration on which every row depends, beside the cuts.
-CONTENT = (
-    "seed", "structure", "record", "truth", "recorded", "wind", "waves", "sensors", "faults",
-    "filters", "model", "fatigue",
-)  # fmt: skip
 #: What schemes are not told: worlds in which sensors are worse than assumed. Loads and structure
 #: are left out, and what an inclinometer or accelerometer feels besides: schemes are told sizes
 #: that follow from the motion and the signals themselves.
@@ -78,15 +73,11 @@ class Record(NamedTuple):
     measured: dict[str, Array]
 
 
-def list_content(config: TowerConfig) -> dict[str, object]:
+def list_content(config: TowerConfig) -> Plain:
     """Return what the rows of every block depend on, without names; files by their bytes."""
-    whole = as_mapping(config)
+    content = config.list_content() | {"cuts": list(config.heights)}
     if config.recorded.file is not None:
-        whole["recorded"]["file"] = hash_file(expand_home(config.recorded.file))
-    content = {name: whole[name] for name in CONTENT}
-    for section, names in (("structure", ("name", "source")), ("sensors", ("name",))):
-        content[section] = {k: v for k, v in whole[section].items() if k not in names}
-    content["cuts"] = list(config.heights)
+        content["recorded"]["file"] = hash_file(expand_home(config.recorded.file))
     if config.wind.file is not None:
         content["loads"] = hash_file(expand_home(config.wind.file))
     return content

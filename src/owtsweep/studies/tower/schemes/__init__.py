@@ -17,55 +17,46 @@ LISTED = {
         "AKF with a triangular wave load as a further input (p_2)",
         SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
         simplicity=32,  # 31: AKF; the wave load, its walk and size; moved by the tie
-        module="akf",
     ),
     "AKF_STEADY": Listed(
         "AKF with the gain of the steady state from the first step on",
         SchemeStyle("#8FA8C8", "P", (0, (2, 2))),
         simplicity=25,  # 16 states, 4 loads; process, 2 walks, 2 kinds of sensors
-        module="akf",
     ),
     "AKF_LAGGED": Listed(
         "AKF and a smoother that looks a fixed time ahead",
         SchemeStyle("#332288", "s", (0, (4, 2))),
         simplicity=1029,  # AKF; the lag; late
-        module="akf",
     ),
     "AKF_MATERN12": Listed(
         "latent interface loads with an exponential correlation (Matern 1/2)",
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
         simplicity=26,  # 16 states, 4 loads; process, 2 sizes, length, 2 kinds of sensors
-        module="akf",
     ),
     "AKF_MATERN32": Listed(
         "latent interface loads with smooth paths (Matern 3/2)",
         SchemeStyle("#117733", ">", (0, (8, 3))),
         simplicity=30,  # AKF_MATERN12; 4 rates of loads
-        module="akf",
     ),
     "GDF": Listed(
         "Gillijns and De Moor's joint input-state filter on the substructure",
         SchemeStyle("#CC79A7", "D", "-"),
         simplicity=20,  # 16 states; process noise, initial variance, noise of 2 kinds of sensors
-        module="joint",
     ),
     "DUAL": Listed(
         "dual Kalman filter on the substructure: inputs, then states",
         SchemeStyle("#882255", "X", (0, (4, 2))),
         simplicity=29,  # as AKF, a tie: DUAL runs two filters
-        module="joint",
     ),
     "AKF_WHOLE": Listed(
         "AKF on the whole turbine, with soil and rotor, loads at its top",
         SchemeStyle("#D55E00", "^", "-"),
         simplicity=31,  # 30: 20 states, 2 loads; as AKF; a tie: its model is larger
-        module="akf",
     ),
     "AKF_WHOLE_WAVE": Listed(
         "AKF_WHOLE with a triangular wave load as a further input",
         SchemeStyle("#E69F00", "h", (0, (6, 1, 1, 1))),
         simplicity=34,  # 33: AKF_WHOLE; the wave load, its walk and size; moved by the tie
-        module="akf",
     ),
     "KF_WHOLE": Listed(
         "Kalman filter on the whole turbine, its loads a slow part and white noise",
@@ -81,13 +72,19 @@ LISTED = {
         "thrust from one sensor, times the lever, static",
         SchemeStyle("#8C8C8C", "*", (0, (1, 2))),
         simplicity=1,  # no memory; the lever
-        module="static",
     ),
     "QUASI_STATIC": Listed(
         "static shapes of the substructure through the inclinometers",
         SchemeStyle("#7A3B12", "8", (0, (3, 1, 1, 1, 1, 1))),
         simplicity=2,  # no memory; noise of two kinds of sensors
-        module="static",
     ),
 }
-SCHEMES = SchemeTable("tower", __name__, LISTED)
+SHARED = {
+    "akf": (
+        "AKF_WAVE", "AKF_STEADY", "AKF_LAGGED", "AKF_MATERN12", "AKF_MATERN32", "AKF_WHOLE",
+        "AKF_WHOLE_WAVE",
+    ),
+    "joint": ("GDF", "DUAL"),
+    "static": ("THRUST_LEVER", "QUASI_STATIC"),
+}  # fmt: skip
+SCHEMES = SchemeTable("tower", __name__, LISTED, SHARED)
