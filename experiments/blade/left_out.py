@@ -15,7 +15,7 @@ import pandas as pd
 from experiments.command import read_words, show, write
 from owtsweep.io.terminal import show_steps, tell_step
 from owtsweep.studies import compose
-from owtsweep.studies.blade.cases import make_world, observe
+from owtsweep.studies.blade.cases import make_setting, make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
 from owtsweep.studies.blade.measures import Judged, compare
@@ -82,7 +82,9 @@ def judge(config, changes, schemes, records):
         for name, (change, told) in changes.items():
             changed = [change(case) for case in cases]
             for scheme in SCHEMES.resolve_all(schemes):
-                prepared = [(case, scheme.prepare(case.tell(told, cell))) for case in changed]
+                prepared = [
+                    (case, scheme.prepare(make_setting(told, cell, case.start))) for case in changed
+                ]
                 found = pd.DataFrame([
                     compare(case.truth, ready.run(case.measured), window)
                     for case, ready in prepared

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from experiments.command import read_data
-from owtsweep.studies.blade.cases import make_world, observe
+from owtsweep.studies.blade.cases import make_setting, make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Truth
@@ -56,4 +56,5 @@ def simulate(config: BladeConfig, replicate: int) -> Record:
     (cell,) = CONTEST.list_cells(config)
     case = observe(config, cell, make_world(config, cell, replicate))
     judged = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
-    return Record(replicate, config, case.truth, case.measured, case.tell(config, cell), judged)
+    setting = make_setting(config, cell, case.start)
+    return Record(replicate, config, case.truth, case.measured, setting, judged)

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from owtsweep.studies import compose
-from owtsweep.studies.blade.cases import make_world, observe
+from owtsweep.studies.blade.cases import make_setting, make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.measures import Judged, compare
 from owtsweep.studies.blade.measuring import find_last_outage
@@ -30,7 +30,7 @@ def make(*words, replicate=0, short=True):
     (cell,) = CONTEST.list_cells(config)
     world = make_world(config, cell, replicate)
     case = observe(config, cell, world)
-    return config, world, case.measured, case.tell(config, cell)
+    return config, world, case.measured, make_setting(config, cell, case.start)
 
 
 def run(name, setting, measured):

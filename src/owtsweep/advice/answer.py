@@ -34,7 +34,7 @@ def find_answer(question: Question, progress: Progress | None = None) -> Answer:
     """
     study, config = question.study, question.config
     found = find(study, config, progress)
-    row, ratios = found.cells.iloc[0], found.ratios
+    row, ratios = found.cells.iloc[0], found.tables["ratios"]
     best, margin = str(row["best"]), float(config.records.margin) if config.records else 0.0
     near = ratios[(ratios["criterion"] == row["criterion"]) & (ratios["ratio"] <= 1.0 + margin)]
     errors = {

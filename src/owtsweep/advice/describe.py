@@ -40,7 +40,7 @@ def tell_question(question: Question) -> list[str]:
 def tell_answer(given: Answer) -> list[str]:
     """Return the answer as sentences: the best contender first, then what stands beside it."""
     found, criterion = given.found, given.found.criterion
-    of_cell = tell_cell(found.cells, found.ratios, criterion)
+    of_cell = tell_cell(found.cells, found.tables["ratios"], criterion)
     verdict = VERDICTS[str(found.cells["verdict"].iloc[0])]
     baseline = " (no estimator)" if given.best in found.contents.baselines else ""
     first = f"Run {given.best}{baseline}: its error is {_show(given.error, criterion)}. {verdict}"

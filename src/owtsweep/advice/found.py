@@ -48,11 +48,6 @@ class Found:
     cells: pd.DataFrame
     tables: Mapping[str, pd.DataFrame]
 
-    @property
-    def ratios(self) -> pd.DataFrame:
-        """The table ratios.csv."""
-        return self.tables["ratios"]
-
     def find_best(self, records: int) -> str:
         """Return the contender of least error over the first records, of those that have all."""
         able = {

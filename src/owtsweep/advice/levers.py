@@ -15,7 +15,6 @@ from owtsweep.config import as_mapping, get_key
 from owtsweep.config.typed import value_at
 from owtsweep.errors import InputError
 from owtsweep.statistics.deciding import FIRST
-from owtsweep.sweep.study import Lever
 
 #: Records of a lever: those of a first look, which all contenders of the answer have too.
 RECORDS = FIRST
@@ -26,22 +25,16 @@ FAR = 2.0
 class Pulled(NamedTuple):
     """What a lever brings: the best contender with it, its error, and the ratio to that without.
 
-    change: the override. near: whether it is one of `Lever.near`.
+    words: what is done. change: the override that does it.
     refused: why it cannot be tried; "" if it was.
     """
 
-    lever: Lever
+    words: str
     change: str
     best: str = ""
     error: float = float("nan")
     ratio: Error | None = None
     refused: str = ""
-    near: bool = False
-
-    @property
-    def words(self) -> str:
-        """What is done, in words."""
-        return f"nearly {self.lever.words}" if self.near else self.lever.words
 
 
 def pull_levers(question: Question, given: Answer) -> Iterator[Pulled]:
@@ -55,12 +48,12 @@ def pull_levers(question: Question, given: Answer) -> Iterator[Pulled]:
         if new is None:
             continue
         tries = (
-            _pull(question, given, lever, _name_change(lever.key, one, axis=axis), schemes)
+            _pull(question, given, lever.words, _name_change(lever.key, one, axis=axis), schemes)
             for one in (new, *(factor * old for factor in lever.near))
         )
         first = next(tries)
         moved = next((one for one in tries if not one.refused), None) if first.refused else None
-        yield first if moved is None else moved._replace(near=True)
+        yield first if moved is None else moved._replace(words=f"nearly {lever.words}")
 
 
 def _name_change(key: str, new: float | str, *, axis: bool) -> str:
@@ -69,25 +62,25 @@ def _name_change(key: str, new: float | str, *, axis: bool) -> str:
 
 
 def _pull(
-    question: Question, given: Answer, lever: Lever, change: str, schemes: Sequence[str]
+    question: Question, given: Answer, words: str, change: str, schemes: Sequence[str]
 ) -> Pulled:
     """Run the case with a change; `schemes` is what `list_near` returns."""
     try:
         config = question.change(change, *schemes, f"grid.replicates={RECORDS}")
         found = find(question.study, config)
     except InputError as error:
-        return Pulled(lever, change, refused=str(error))
+        return Pulled(words, change, refused=str(error))
     best = found.find_best(RECORDS)
     without = given.found.values[given.best][:RECORDS]
     ratio = divide(found.values[best][: len(without)], without, found.criterion)
-    return Pulled(lever, change, best, found.measure(best).value, ratio)
+    return Pulled(words, change, best, found.measure(best).value, ratio)
 
 
 def list_near(question: Question, given: Answer) -> list[str]:
     """Return the override that leaves out schemes far from the best; [] if the user listed some."""
     if "schemes" in map(get_key, question.given):
         return []
-    contents, ratios = given.found.contents, given.found.ratios
+    contents, ratios = given.found.contents, given.found.tables["ratios"]
     near = {given.best, *ratios.loc[ratios["ratio"] <= FAR, "scheme"]}
     names = [name for name in contents.contenders if name not in contents.baselines]
     return [f"schemes=[{','.join([name for name in names if name in near] or names[:1])}]"]

@@ -4,56 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from owtsweep.config import Config, key
-from owtsweep.config.common import Record
-from owtsweep.config.grid import Records
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH
-from owtsweep.streams import Streams, stream
 from owtsweep.studies.base.axes import Axes
 from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.base.keys import ContestConfig
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from owtsweep.studies.base.keys import Tune
 
 
 #: The measure of latency, s; only of schemes that look ahead.
 WAIT = "wait"
 #: The only window: after the settling time.
 WINDOW = "settled"
-
-
-class ContestConfig(Config):
-    """What the configurations of all contests have; each declares the other keys itself."""
-
-    inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion"}
-
-    record: Record = key("a record of motion and measurements")
-
-    if TYPE_CHECKING:
-        grid: Records
-        schemes: Sequence[str | Mapping[str, object]]
-        criterion: str
-        tune: Tune
-
-        @property
-        def tuning_name(self) -> str:
-            """The tuning's name."""
-
-    @property
-    def records(self) -> Records:
-        return self.grid
-
-    def draws(self, replicate: int) -> Streams:
-        """Return the random streams of the record with a number, which no condition changes."""
-        return partial(stream, self.seed, self.study, (), replicate)
 
 
 C = TypeVar("C", bound=ContestConfig)

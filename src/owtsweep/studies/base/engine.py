@@ -17,16 +17,10 @@ from owtsweep.results.regret import Judged, make_regret
 from owtsweep.results.status import FAILED
 from owtsweep.studies.base import maps, tables
 from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
-from owtsweep.studies.base.contest import (
-    WINDOW,
-    AnyContest,
-    C,
-    Contest,
-    ContestConfig,
-    describe_draws,
-)
+from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, describe_draws
 from owtsweep.studies.base.costs import predict
 from owtsweep.studies.base.declaration import AnyDeclaration
+from owtsweep.studies.base.keys import ContestConfig
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.base.tables import list_competing, make_cube
 from owtsweep.sweep.study import Block, Engine, Look
@@ -65,7 +59,7 @@ class ContestEngine(Engine, Generic[C]):
         if not config.grid.decides:
             return None
         rows = spread(rows, self.contest.get_grid(config))
-        cube = tables.make_cube(self.contest, config, rows, tables.list_competing(config, rows))
+        cube = make_cube(self.contest, config, rows)
         asked = tables.ask(self.contest, config, self.rank(config))
         cells = self.contest.list_cells(config)
         return plan_look(partial(self.plan, config), cells, cube, rows, asked)
@@ -92,7 +86,7 @@ class ContestEngine(Engine, Generic[C]):
             f"Sensors: {contest.describe_sensors(config)}."
         )
         save = partial(save_figure, metadata=metadata, origin=origin, letters=LETTERS_PER_INCH)
-        cube = make_cube(contest, config, rows, list_competing(config, rows))
+        cube = make_cube(contest, config, rows)
         conditions, records = contest.find_conditions(config), config.grid.describe_records()
         contenders = self.rank(config) if config.grid.decides else ()
         notes = [*maps.tell_unable(cube.unable), *maps.tell_latencies(config, rows)]
@@ -175,8 +169,5 @@ class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):
         self, config: ContestConfig, rows: Mapping[str, pd.DataFrame]
     ) -> dict[str, pd.DataFrame]:
         judged = Judged(config.criterion, self.contest.criteria[config.criterion], WINDOW)
-        cubes = {
-            world: make_cube(self.contest, config, part, list_competing(config, part))
-            for world, part in rows.items()
-        }
+        cubes = {world: make_cube(self.contest, config, part) for world, part in rows.items()}
         return make_regret(cubes, config.over or {}, judged, self.tell_worlds(config))

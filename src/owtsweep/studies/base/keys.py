@@ -1,16 +1,18 @@
-"""Keys that the configurations of several studies declare alike."""
+"""The keys that the configurations of several studies have alike."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Generic, TypeVar
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from pydantic import BeforeValidator
 
-from owtsweep.config import Plain, Positive, Section, as_mapping, key
+from owtsweep.config import Config, Plain, Positive, Section, as_mapping, key
+from owtsweep.config.common import Record
 from owtsweep.config.grid import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.studies.base.contest import ContestConfig
+from owtsweep.streams import Streams, stream
 from owtsweep.studies.base.schemes import SchemeEntries
 
 
@@ -58,6 +60,32 @@ def key_of_axes(grid: type[Section]) -> Any:
 
 G = TypeVar("G", bound=Records)
 F = TypeVar("F", bound=Section)
+
+
+class ContestConfig(Config):
+    """What the configurations of all contests have; each declares the other keys itself."""
+
+    inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion"}
+
+    record: Record = key("a record of motion and measurements")
+
+    if TYPE_CHECKING:
+        grid: Records
+        schemes: Sequence[str | Mapping[str, object]]
+        criterion: str
+        tune: Tune
+
+        @property
+        def tuning_name(self) -> str:
+            """The tuning's name."""
+
+    @property
+    def records(self) -> Records:
+        return self.grid
+
+    def draws(self, replicate: int) -> Streams:
+        """Return the random streams of the record with a number, which no condition changes."""
+        return partial(stream, self.seed, self.study, (), replicate)
 
 
 class Tuned(Section, Generic[F]):

@@ -9,7 +9,8 @@ import pandas as pd
 
 from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten, tell_counts
 from owtsweep.results.regret import tell_regret
-from owtsweep.studies.base.contest import WINDOW, C, Contest, ContestConfig, describe_draws
+from owtsweep.studies.base.contest import WINDOW, C, Contest, describe_draws
+from owtsweep.studies.base.keys import ContestConfig
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_latencies, list_competing
 from owtsweep.studies.registry import list_schemes

@@ -223,7 +223,8 @@ class SchemeTable:
 
         Raise `InputError` if the scheme is that of a stored run, whose code is not loaded.
         """
-        tuning = {section: _plain(attrgetter(section)(config)) for section in scheme.sections}
+        given = {key: attrgetter(key)(config) for key in scheme.sections}
+        tuning = {k: as_mapping(v) if isinstance(v, Section) else v for k, v in given.items()}
         return {"scheme": scheme.name, "tuning": tuning, **self.describe_code(entry, scheme)}
 
     def describe_code(self, entry: Entry, scheme: AnyScheme) -> dict[str, object]:
@@ -295,10 +296,6 @@ class SchemeTable:
             f"there is no scheme {name!r}{elsewhere}; use {', '.join(self.describe())}, or "
             "{_target_: package.Class} for one of your own"
         )
-
-
-def _plain(section: object) -> object:
-    return as_mapping(section) if isinstance(section, Section) else section
 
 
 def _refuse_repeated(given: Sequence[Entry]) -> None:

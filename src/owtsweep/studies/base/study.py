@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Plain, checked
 from owtsweep.results.conditions import Condition, Value
-from owtsweep.studies.base.contest import AnyContest, ContestConfig, describe_origin
+from owtsweep.studies.base.axes import check_axes
+from owtsweep.studies.base.contest import AnyContest, describe_origin
+from owtsweep.studies.base.keys import ContestConfig
 from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.sweep.study import Engine, Study, Tuned, Varied
 
@@ -23,10 +25,12 @@ class ContestStudy(Study):
 
     A subclass has `name` and `numerics_version`. Its package has the configuration's class as
     `CONFIG` in its module `config`, `CONTEST` in its module `contest`, and the functions `check`
-    and `check_outside` of a configuration in its module `checks`.
+    and `check_outside` of a configuration in its module `checks`, for what is its own.
     """
 
     commands = frozenset({"compare", "vary"})
+    #: Most samples of a record: of more, what is kept of it does not fit into memory.
+    most_samples = 1_000_000
 
     def config_type(self) -> type[ContestConfig]:
         """Return the class of the study's configurations."""
@@ -56,10 +60,12 @@ class ContestStudy(Study):
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 
     def check(self, config: ContestConfig) -> None:
-        """Check that the values can work together.
+        """Check that the values can work together, as seen before a record is made.
 
         Raise `InputError` if two values cannot work together; the message says what would work.
         """
+        config.record.check_samples(self.most_samples)
+        check_axes(self.contest(), config)
         self._find("checks", "check")(config)
 
     def check_outside(self, config: ContestConfig) -> None:
@@ -129,6 +135,11 @@ class DeclaredStudy(ContestStudy):
     def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
         return {**plain, "schemes": self.scheme_table().stand_in(plain.get("schemes"), described)}
+
+    def check(self, config: ContestConfig) -> None:
+        """Check also the schemes; raise `InputError` as `ContestStudy.check`."""
+        self.scheme_table().resolve_all(config.schemes)
+        super().check(config)
 
     def declaration(self) -> AnyDeclaration:
         return self._find("declaration", "DECLARATION")  # type: ignore[no-any-return]

@@ -13,7 +13,8 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, count_cells, make_table
-from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
+from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, list_origin
+from owtsweep.studies.base.keys import ContestConfig
 from owtsweep.studies.base.schemes import list_names
 
 
@@ -26,7 +27,7 @@ def make_tables(
     """
     rows = spread(rows, contest.get_grid(config))  # once, for all that follows
     summary = summarise(make_cube(contest, config, rows, list_names(config.schemes)))
-    cube = make_cube(contest, config, rows, list_competing(config, rows))
+    cube = make_cube(contest, config, rows)
     if config.grid.decides:
         best = make_table(cube, rows, ask(contest, config, contenders))
     else:
@@ -51,11 +52,16 @@ def ask(contest: Contest[C], config: C, contenders: Sequence[str]) -> Asked:
     )
 
 
-def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
-    """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
+def make_cube(
+    contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str] | None = None
+) -> Cube:
+    """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates.
+
+    Without `schemes`, these are the ones that compete.
+    """
     return Cube.of_rows(
         spread(rows, contest.get_grid(config)),
-        schemes,
+        list_competing(config, rows) if schemes is None else schemes,
         contest.find_conditions(config),
         contest.get_grid(config),
         measures=contest.measures,

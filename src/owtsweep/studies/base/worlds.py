@@ -101,8 +101,6 @@ def check(
     Raise `InputError` as `make_worlds` does, and if weights do not fit, a world is refused, or the
     run has several tunings or no fixed number of records.
     """
-    if config.over is None:
-        return
     list_weights(config.over)
     require(
         "" in config.by_tuning(),

@@ -29,3 +29,4 @@ class BladeStudy(DeclaredStudy):
     stretched = ("root", 0, "position of the root, first axis (m)")
     numerics_version = add_versions(1, motion, estimation, evaluation)
     commands = DeclaredStudy.commands | {"tune"}
+    most_samples = 100_000  # a filter keeps all its covariances

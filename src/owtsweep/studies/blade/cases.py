@@ -35,10 +35,6 @@ class Case(NamedTuple):
     start: Start
     withheld: Array | None = None
 
-    def tell(self, config: BladeConfig, cell: Cell) -> Setting:
-        """Return what schemes know of the case, by the tuning of a configuration."""
-        return make_setting(config, cell, self.start)
-
 
 #: A recorded lift, and the reference that stands for its truth.
 RecordedMotion = tuple[Lift, Truth]

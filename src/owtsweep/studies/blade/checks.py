@@ -7,15 +7,11 @@ import numpy as np
 from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
 from owtsweep.motion.lines import HIGHEST
-from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import DOF
-from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.truth import hold
 
-#: Most samples of a record: a filter keeps all its covariances.
-MOST_SAMPLES = 100_000
 #: Angles reach some three standard deviations; Euler angles fail at a pitch of 90 degrees.
 REACH, MOST_ANGLE = 3.0, 80.0
 #: Fastest accelerometers on the boom, and what passes the filter before decimation, Hz.
@@ -28,9 +24,6 @@ LONGEST_LEVER = 50.0
 
 def check(config: BladeConfig) -> None:
     """Raise `InputError` if two values cannot work together, as seen before a record is made."""
-    SCHEMES.resolve_all(config.schemes)
-    check_axes(CONTEST, config)
-    config.record.check_samples(MOST_SAMPLES)
     config.recorded.check()
     if config.recorded.imu is not None:
         _check_recorded(config)

@@ -13,7 +13,7 @@ from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
 from owtsweep.studies.base.worlds import Departure, Untold
-from owtsweep.studies.blade.cases import Case, make_world, observe
+from owtsweep.studies.blade.cases import Case, make_setting, make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
@@ -58,7 +58,7 @@ def list_content(config: BladeConfig) -> Plain:
 
 
 def _inform(config: BladeConfig, cell: Cell, case: Case) -> dict[str, Part[Setting, Measured]]:
-    return {"": Part(case.tell(config, cell), case.measured)}
+    return {"": Part(make_setting(config, cell, case.start), case.measured)}
 
 
 def _score(

@@ -11,7 +11,6 @@ from owtsweep.studies.blade.cases import make_lift_setting
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Setting, Truth
 from owtsweep.studies.blade.recorded_case import find_reference, load_lift
-from owtsweep.studies.blade.schemes import HOOK_AT_REST
 
 #: A longer lever arm is warned of: nothing on a blade is so far from another thing, m.
 LONGEST_RECORDED = 150.0
@@ -37,41 +36,30 @@ def warn_of_doubts(config: BladeConfig) -> None:
     longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
     if longest > LONGEST_RECORDED:
         logger.warning(
-            "recorded.antennas: an antenna is %g m from the inertial unit; are the places in m?",
-            longest,
+            f"recorded.antennas: an antenna is {longest:g} m from the inertial unit; are the "
+            "places in m?"
         )
     assumed = float(np.rad2deg(setting.rate_bias))
     if assumed < EARTH_RATE:
         key = "filters" if config.filters.noise == "declared" else "unit"
         logger.warning(
-            "%s.rate_bias: Earth's rotation, %.3g deg/h, is left out, and a bias of %.3g deg/h "
-            "(unit=%s) cannot take it up, so errors are larger than stated; set %s.rate_bias=%g "
-            "(docs/blade.md)",
-            key,
-            3600.0 * EARTH_RATE,
-            3600.0 * assumed,
-            config.grade,
-            key,
-            TAKEN_FOR_BIAS,
+            f"{key}.rate_bias: Earth's rotation, {3600.0 * EARTH_RATE:.3g} deg/h, is left out, and "
+            f"a bias of {3600.0 * assumed:.3g} deg/h (unit={config.grade}) cannot take it up, so "
+            f"errors are larger than stated; set {key}.rate_bias={TAKEN_FOR_BIAS:g} (docs/blade.md)"
         )
-    for name in HOOK_AT_REST:
-        if name in config.schemes:
-            _warn_of_a_moving_hook(name, setting, find_reference(lift, setting))
+    if "PENDULUM" in config.schemes:
+        _warn_of_a_moving_hook(setting, find_reference(lift, setting))
 
 
-def _warn_of_a_moving_hook(name: str, setting: Setting, truth: Truth) -> None:
+def _warn_of_a_moving_hook(setting: Setting, truth: Truth) -> None:
     wander, assumed = find_wander(setting, truth)
     if not (wander > FAR * assumed).any():
         return
     axis = int(np.argmax(wander - FAR * assumed))
     logger.warning(
-        "%s: the hook moves by %.3g m along %s, and %s is for a hook at rest, assumed to wander by "
-        "%.2g m: its errors may be far larger than it states; run MEKF (docs/blade.md)",
-        name,
-        wander[axis],
-        "xyz"[axis],
-        name,
-        assumed[axis],
+        f"PENDULUM: the hook moves by {wander[axis]:.3g} m along {'xyz'[axis]}, and PENDULUM is "
+        f"for a hook at rest, assumed to wander by {assumed[axis]:.2g} m: its errors may be far "
+        "larger than it states; run MEKF (docs/blade.md)"
     )
 
 

@@ -38,7 +38,7 @@ def measure(config: BladeConfig, motion: Motion, cell: Cell) -> Measured:
     force_noise = config.unit.force_sigma * draws("force").standard_normal((steps, 3))
     rate_noise = np.deg2rad(config.unit.rate_sigma) * draws("rate").standard_normal((steps, 3))
 
-    due = find_due(config)
+    due = np.arange(steps) % round(config.record.rate / sensors.fix_rate) == 0
     direction = draws("lever").standard_normal(3)
     antennas = ANTENNAS.copy()
     antennas[0] += cell["lever"] * direction / np.linalg.norm(direction)
@@ -79,12 +79,6 @@ def draw_biases(unit: Unit, draws: Streams, steps: int, step: float) -> tuple[Ar
         walked = np.cumsum(draws(f"{name}_walk").standard_normal((steps, 3)), axis=0)
         biases.append(begun + change * walked)
     return biases[0], biases[1]
-
-
-def find_due(config: BladeConfig) -> NDArray[np.bool_]:
-    """Return at which samples a fix is due, shape (steps,)."""
-    every = round(config.record.rate / config.sensors.fix_rate)
-    return np.asarray(np.arange(config.record.steps) % every == 0)
 
 
 def find_outages(config: BladeConfig, length: float) -> NDArray[np.bool_]:

@@ -6,16 +6,12 @@ import numpy as np
 
 from owtsweep.config import require
 from owtsweep.motion.lines import HIGHEST, Span
-from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.motion_recorded import read_motion
-from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
+from owtsweep.studies.floater.schemes import LARGE_ANGLES
 
-#: Most samples of a record: of more, motion and estimates do not fit into memory.
-MOST_SAMPLES = 1_000_000
 #: Signal-to-noise ratios in dB beyond which numbers overflow.
 LEAST_RATIO, MOST_RATIO = -100.0, 400.0
 #: Kind of a simulated motion -> how many times its standard deviation an angle reaches about its
@@ -25,9 +21,6 @@ REACH = {"synthetic": 3.0, "decay": 1.0}
 
 def check(config: FloaterConfig) -> None:
     """Raise `InputError` if two values cannot work together, as seen before a record is made."""
-    SCHEMES.resolve_all(config.schemes)
-    config.record.check_samples(MOST_SAMPLES)
-    check_axes(CONTEST, config)
     if config.motion.kind == "recorded":
         _check_recorded(config)
     else:

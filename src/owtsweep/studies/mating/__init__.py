@@ -29,6 +29,7 @@ class MatingStudy(ContestStudy):
         Lever("half the noise of a fix on the hub", "grid.hub_sigma", halve),
         Lever("half the length of an outage on the blade", "grid.outage", halve),
     )
+    most_samples = _find_blade().most_samples
     numerics_version = 1 + get_study("blade").numerics_version + get_study("hub").numerics_version
 
     def scheme_table(self) -> SchemeTable:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from owtsweep.arrays import Array
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
 from owtsweep.results.summary import summarise
@@ -19,7 +18,6 @@ from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST, describe_hold
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -40,6 +38,8 @@ def list_figures(
 
 
 def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
+    import seaborn as sns  # takes a second to import
+
     from owtsweep.figures import style
 
     late = set(summary[summary["measure"] == WAIT]["scheme"])
@@ -59,12 +59,17 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
         of_scheme = summary["scheme"] == schemes[max(row - 1, 0)]  # all have the same truth
         chosen = summary[of_scheme & (summary["measure"] == measure)]
         table = chosen.pivot(index=config.axes[1], columns=config.axes[0], values="mean")
-        shares = table.reindex(index=rows, columns=columns).to_numpy()
-        _fill(axes, shares, "Greens" if measure in ("chance", "told") else "Reds")
-        axes.set_xticks(range(len(columns)), [show_value(value) for value in columns])
-        axes.set_yticks(range(len(rows)), [show_value(value) for value in rows])
+        shares = 100.0 * table.reindex(index=rows, columns=columns).rename(show_value)
+        sns.heatmap(
+            shares.rename(columns=show_value), ax=axes, vmin=0.0, vmax=100.0, cbar=False,
+            cmap="Greens" if measure in ("chance", "told") else "Reds", annot=True, fmt=".0f",
+            annot_kws={"fontsize": 8},
+        )  # fmt: skip
+        axes.invert_yaxis()
         last = row in (0, len(schemes))
-        axes.tick_params(length=0.0, labelbottom=last, labelleft=column == 0)
+        axes.tick_params(length=0.0, labelbottom=last, labelleft=column == 0, labelrotation=0.0)
+        axes.grid(visible=False)
+        axes.set(xlabel="", ylabel="")
         axes.set_title(PANELS.get(measure, "chances"), fontsize=8)
         if column == 0:
             axes.set_ylabel(["truth", *schemes][row])
@@ -83,13 +88,3 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
     ]
     style.add_origin(figure, "\n".join(lines), 12.0)
     return figure
-
-
-def _fill(axes: Axes, shares: Array, colors: str) -> None:
-    axes.grid(visible=False)
-    axes.imshow(shares, cmap=colors, vmin=0.0, vmax=1.0, origin="lower", aspect="auto")
-    for (row, column), share in np.ndenumerate(shares):
-        if np.isfinite(share):
-            color = "white" if share > 0.6 else "black"
-            axes.text(column, row, f"{100.0 * share:.0f}", ha="center", va="center",
-                      fontsize=8, color=color)  # fmt: skip

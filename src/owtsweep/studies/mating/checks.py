@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from owtsweep.config import as_mapping, get_key, require
-from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.mating.config import MatingConfig
-from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import configure_blade, configure_hub
 
-#: Most samples of a record, as of the blade study.
-MOST_SAMPLES = 100_000
 #: Keys of the other studies that this study sets.
 OURS = (
     "study", "seed", "tuning", "schemes", "record.duration", "record.rate", "record.settling",
@@ -20,8 +16,6 @@ OURS = (
 
 def check(config: MatingConfig) -> None:
     """Raise `InputError` if what can be known without the other studies does not fit together."""
-    check_axes(CONTEST, config)
-    config.record.check_samples(MOST_SAMPLES)
     judged = config.record.duration - config.record.settling
     require(
         max(config.grid.hold) <= 0.5 * judged,

@@ -9,8 +9,7 @@ from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.config.grid import Records
-from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.keys import key_of_axes
+from owtsweep.studies.base.keys import ContestConfig, key_of_axes
 
 
 def _refuse_classes(value: object) -> object:

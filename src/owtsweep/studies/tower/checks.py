@@ -12,13 +12,9 @@ from owtsweep.studies.base.axes import check_blocks
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.measuring import list_places
 from owtsweep.studies.tower.recorded import load_motions
-from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.wind import read_loads
 
 logger = logging.getLogger(__name__)
-
-#: Most samples of a record: of more, motion and estimates do not fit into memory.
-MOST_SAMPLES = 1_000_000
 
 
 def check(config: TowerConfig) -> None:
@@ -26,8 +22,6 @@ def check(config: TowerConfig) -> None:
     config.structure.check()
     config.wind.check()
     config.fatigue.check()
-    SCHEMES.resolve_all(config.schemes)
-    config.record.check_samples(MOST_SAMPLES)
     grid, structure = config.grid, config.structure
     require(
         config.waves.hs == 0.0 or (structure.water is not None and structure.mudline < 0.0),

@@ -26,9 +26,7 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 MOST_TICKS = 12
 #: Half the width that a text's marks take, where neighbouring texts are 1 apart.
 HALF_WIDTH = 0.35
-BOUND_LINE: style.Look = {
-    "color": "black", "linestyle": ":", "linewidth": 1.8, "label": "Kalman bound",
-}  # fmt: skip
+BOUND_LINE: style.Look = {"color": "black", "linestyle": ":", "linewidth": 1.8, "zorder": 3.5}
 
 
 def draw(errors: Errors) -> Figure:
@@ -58,10 +56,9 @@ def draw(errors: Errors) -> Figure:
 
 
 def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
-    of_texts = isinstance(errors.values[0], str)
-    (_draw_marks if of_texts else _draw_curves)(axes, errors, number)
+    _draw_errors(axes, errors, number)
     curves.scale_axes(axes, errors.along, errors.values)
-    if errors.along.scale == "linear" and not of_texts:
+    if errors.along.scale == "linear" and not isinstance(errors.values[0], str):
         every = -(-len(errors.values) // MOST_TICKS)
         axes.set_xticks([float(value) for value in errors.values[::every]])
         axes.xaxis.set_major_formatter("{x:g}")
@@ -71,46 +68,34 @@ def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
     axes.set_title(errors.cells[number], loc="left", fontsize=10)
 
 
-def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors over numbers: a line for each scheme and those apart, and for the bound."""
-    place = np.array(errors.values, dtype=float)
+def _draw_errors(axes: Axes, errors: Errors, number: int) -> None:
+    """Draw schemes, those apart and the bound: as curves over numbers, as marks over texts."""
+    of_texts = isinstance(errors.values[0], str)
+    place = np.arange(len(errors.values)) if of_texts else np.array(errors.values, dtype=float)
+    aside = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH * of_texts
+
+    def draw_line(level: Array, look: style.Look, label: str) -> None:
+        if of_texts:
+            axes.hlines(level, place - HALF_WIDTH, place + HALF_WIDTH, label=label, **look)
+        else:
+            axes.plot(place, level, label=label, **look)
+
     for n, name in enumerate(errors.names):
-        of_name = errors.error[n, :, number]
+        of_name, label = errors.error[n, :, number], style.label_of(name)
         if name in errors.apart:
-            drawn = style_of(name, errors.apart)
-            axes.plot(place, of_name, label=style.label_of(name), **curves.thin_line(drawn))
+            draw_line(of_name, curves.thin_line(style_of(name, errors.apart)), label)
             continue
         drawn = style_of(name, errors.schemes)
         # of lines that coincide, the best scheme's is seen
         on_top = float(errors.best_scheme[n, :, number].mean())
         axes.plot(
-            place, of_name, color=drawn.color, linestyle=drawn.line, marker=drawn.marker,
-            markersize=4.5, zorder=2.0 + on_top, label=style.label_of(name),
+            place + aside[n], of_name, color=drawn.color,
+            linestyle="none" if of_texts else drawn.line, marker=drawn.marker,
+            markersize=6.0 if of_texts else 4.5, zorder=2.0 + on_top, label=label,
         )  # fmt: skip
-        _draw_interval(axes, errors, place, n, number)
+        _draw_interval(axes, errors, place + aside[n], n, number)
     if errors.bound is not None:
-        axes.plot(place, errors.bound, zorder=3.5, **BOUND_LINE)
-
-
-def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors over texts: marks for schemes, short lines for those apart and the bound."""
-    place = np.arange(len(errors.values))
-    ends = (place - HALF_WIDTH, place + HALF_WIDTH)
-    offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH
-    for n, name in enumerate(errors.names):
-        of_name = errors.error[n, :, number]
-        if name in errors.apart:
-            line = curves.thin_line(style_of(name, errors.apart))
-            axes.hlines(of_name, *ends, label=style.label_of(name), **line)
-            continue
-        drawn = style_of(name, errors.schemes)
-        axes.plot(
-            place + offsets[n], of_name, color=drawn.color, linestyle="none", marker=drawn.marker,
-            markersize=6, label=style.label_of(name),
-        )  # fmt: skip
-        _draw_interval(axes, errors, place + offsets[n], n, number)
-    if errors.bound is not None:
-        axes.hlines(errors.bound, *ends, **BOUND_LINE)
+        draw_line(errors.bound, BOUND_LINE, "Kalman bound")
 
 
 def _draw_interval(axes: Axes, errors: Errors, place: Array, scheme: int, cell: int) -> None:

@@ -24,7 +24,8 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.status import FAILED
 from owtsweep.statistics.contrasts import gap, ratio
 from owtsweep.statistics.inference import mean_and_error, t_quantile
-from owtsweep.studies.base.contest import WINDOW, AnyContest, ContestConfig, list_origin
+from owtsweep.studies.base.contest import WINDOW, AnyContest, list_origin
+from owtsweep.studies.base.keys import ContestConfig
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
 from owtsweep.studies.base.varying.errors import Errors

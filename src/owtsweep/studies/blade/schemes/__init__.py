@@ -86,5 +86,3 @@ SHARED = {
     "mekf": ("MEKF_HEADING", "MEKF_OFFSET", "MEKF_LEVER", "PENDULUM", "FIXED_LAG", "SMOOTHER"),
 }
 SCHEMES = SchemeTable("blade", __name__, LISTED, SHARED)
-#: Schemes that are for a hook at rest.
-HOOK_AT_REST = ("PENDULUM",)

@@ -13,9 +13,6 @@ from owtsweep.estimation.inertial.strapdown import ERRORS, STATES, Record
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 
-#: Coordinates of a fix.
-AXES = 3
-
 
 class Found(NamedTuple):
     """What a filter finds: states (steps, n + 1), covariances (steps, n, n), NIS sums (steps,)."""
@@ -104,6 +101,6 @@ def report(
         rotation=rotation,
         root_covariance=rows @ P @ rows.transpose(0, 2, 1),
         attitude_covariance=P[:, 3:, 3:],
-        nis=np.where(seen, found.nis, np.nan) / (AXES * antennas),
+        nis=np.where(seen, found.nis, np.nan) / (3 * antennas),
         latency=latency,
     )
