@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import product
 from math import ceil, prod
-from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 from owtsweep.config import Config, require
@@ -25,24 +23,24 @@ C = TypeVar("C", bound=Config)
 Values = Mapping[str, Sequence[Any] | None]
 
 
-@dataclass(frozen=True)
 class Axes(Generic[C]):
     """The axes that a study is swept over.
 
     conditions: All axes that the grid may have, with the names of its keys.
-    find_axes: Returns the axes of a configuration's map, the horizontal one first.
     section: the section of the configuration that has a key for each axis.
-    find_values: Returns the values of all axes; None: those of the section.
     """
 
     conditions: tuple[Condition, ...]
-    find_axes: Callable[[C], Sequence[str]] = attrgetter("axes")
     section: str = "grid"
-    find_values: Callable[[C], Values] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(condition.name for condition in self.conditions)
+
+    def find_axes(self, config: C) -> Sequence[str]:
+        """Return the axes of a map, the horizontal one first: the key `axes`, or all axes."""
+        chosen: Sequence[str] = getattr(config, "axes", self.names)
+        return chosen
 
     def find_conditions(self, config: C) -> tuple[Condition, ...]:
         """Return the conditions on the axes of a configuration's map, the horizontal one first."""
@@ -55,12 +53,10 @@ class Axes(Generic[C]):
 
     def get_values(self, config: C) -> Values:
         """Return axis -> its values, or None."""
-        if self.find_values is not None:
-            return self.find_values(config)
         section = getattr(config, self.section)
         return {axis: getattr(section, axis) for axis in self.names}
 
-    def get_grid(self, config: C) -> dict[str, Sequence[Any]]:
+    def get_grid(self, config: C) -> Mapping[str, Sequence[Any]]:
         """Return axis -> its values, for the axes of a configuration's map."""
         values = self.get_values(config)
         return {axis: values[axis] or () for axis in self.find_axes(config)}

@@ -40,6 +40,7 @@ class Contest(Axes[C]):
     costs: Measured computing times; None: nobody has measured them.
     """
 
+    conditions: tuple[Condition, ...]
     criteria: Mapping[str, Criterion]
     measures: Sequence[str]
     describe_truth: Callable[[C], str]

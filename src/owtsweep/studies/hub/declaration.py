@@ -12,7 +12,6 @@ from owtsweep.config import Plain, as_mapping
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.results.conditions import Value
-from owtsweep.studies.base.axes import Axes
 from owtsweep.studies.base.contract import NotFinite, Part
 from owtsweep.studies.base.declaration import (
     AnyDeclaration,
@@ -139,12 +138,7 @@ def _state(record: Record, estimates: Mapping[str, Trajectory]) -> Stated:
 
 def _declare(world: World) -> AnyDeclaration:
     return Declaration(
-        axes=Axes(
-            world.conditions,
-            find_axes=lambda config: [condition.name for condition in world.order_axes(config)],
-            section=world.section,
-            find_values=world.get_grid,
-        ),
+        axes=world,
         schemes=SCHEMES,
         list_content=list_content,
         most_records=count_records_per_block,

@@ -9,6 +9,7 @@ from typing import ClassVar
 from owtsweep.config import Plain
 from owtsweep.motion.source import Source
 from owtsweep.results.conditions import Condition, Grid, Value
+from owtsweep.studies.base.axes import Axes, Values
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -16,7 +17,7 @@ from owtsweep.studies.hub.sensors import Sensors
 LAYERS = "layers"
 
 
-class World(ABC):
+class World(Axes[HubConfig], ABC):
     """One kind of truth: a source of motion, and the conditions that it is swept over.
 
     name: the value of the key `motion` that chooses it.
@@ -27,8 +28,6 @@ class World(ABC):
     """
 
     name: ClassVar[str]
-    conditions: ClassVar[tuple[Condition, ...]]
-    section: ClassVar[str]
     has_spectrum: ClassVar[bool]
     bytes_per_step: ClassVar[int]
     seconds_per_step: ClassVar[float]
@@ -37,6 +36,12 @@ class World(ABC):
         """Return name of a condition -> list of the values that the configuration gives it."""
         section = getattr(config, self.section)
         return {each.name: getattr(section, each.name) or [] for each in self.conditions}
+
+    def get_values(self, config: HubConfig) -> Values:
+        return self.get_grid(config)
+
+    def find_axes(self, config: HubConfig) -> list[str]:
+        return [condition.name for condition in self.order_axes(config)]
 
     def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
         """Return the conditions, with the two first that a map has as axes."""

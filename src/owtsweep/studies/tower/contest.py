@@ -154,7 +154,6 @@ CONTEST = Contest(
     describe_sensors=describe_sensors,
     # keys of sensors and faults scale noise, but draw no other numbers
     pairing=("seed", "structure", "record", "truth", "recorded", "wind", "waves"),
-    find_axes=lambda config: tuple(condition.name for condition in CONDITIONS),
     ties_from=16,  # a record of the whole map costs more than 20 s
     tell_more=_tell_more,
     costs=COSTS,
