@@ -96,13 +96,14 @@ class Config(Section):
 
     @property
     def tuning_name(self) -> str:
-        """The name of the tuning; "" for a study without tunings."""
-        return ""
+        """The name of the tuning, the key `tuning`; "" for a study without it."""
+        return str(getattr(self, "tuning", ""))
 
     @property
     def records(self) -> Records | None:
-        """The keys that say how many records a cell gets; None if the study has no such keys."""
-        return None
+        """The section `grid` if it says how many records a cell gets; else None."""
+        grid = getattr(self, "grid", None)
+        return grid if isinstance(grid, Records) else None
 
     def start_of_folder(self) -> str:
         """Return how the name of the run folder begins, before the run's hash."""

@@ -75,14 +75,6 @@ class ContestConfig(Config):
         criterion: str
         tune: Tune
 
-        @property
-        def tuning_name(self) -> str:
-            """The tuning's name."""
-
-    @property
-    def records(self) -> Records:
-        return self.grid
-
     def draws(self, replicate: int) -> Streams:
         """Return the random streams of the record with a number, which no condition changes."""
         return partial(stream, self.seed, self.study, (), replicate)

@@ -34,6 +34,7 @@ UNTOLD = (
     "unit.force_bias", "unit.force_walk", "unit.rate_sigma", "unit.rate_bias", "unit.rate_walk",
     "sensors.receiver", "sensors.prism_sigma", "sensors.prism_offset", "sensors.stretch",
 )  # fmt: skip
+#: Quantities of truth and measurements -> their units.
 UNITS = {
     "root": "m",
     "root_velocity": "m/s",
@@ -76,13 +77,10 @@ def _show(config: BladeConfig, cell: Cell, case: Case) -> Shown:
     """Return a record in the frame with x along the blade from root to tip, z up."""
     truth, measured = case.truth, case.measured
     time = truth.step * np.arange(len(truth.root))
-    names = (
-        "root", "root_velocity", "rotation", "unit", "unit_velocity", "rate", "specific_force",
-    )  # fmt: skip
     return Shown(
         time,
         config.record.settled,
-        {name: getattr(truth, name) for name in names},
+        {name: getattr(truth, name) for name in UNITS if hasattr(truth, name)},
         {
             "specific_force": Reading(time, measured.specific_force),
             "rate": Reading(time, measured.rate),

@@ -353,10 +353,6 @@ class HubConfig(TunedConfig):
     measures: Measures = key("what is measured, and what the map judges")
     tune: Tune = key("what the command `tune` searches", default=Tune())
 
-    @property
-    def records(self) -> Records:
-        return self.grid
-
     def check(self) -> None:
         """Check as `TunedConfig.check`, and that tunings' names can be part of a file's name."""
         super().check()

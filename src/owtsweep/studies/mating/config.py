@@ -55,10 +55,6 @@ class MatingConfig(ContestConfig):
     )
     criterion: Literal["relative", "speed", "wrong"] = key("what the map on the terminal judges")
 
-    @property
-    def tuning_name(self) -> str:
-        return self.tuning
-
 
 #: What `studies.base` looks for.
 CONFIG = MatingConfig
