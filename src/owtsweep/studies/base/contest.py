@@ -1,18 +1,18 @@
-"""What is a study's own in a contest: its axes, its measures, and how it describes its records."""
+"""What is a study's own in a contest: axes, measures, costs, and how it describes its records."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH
 from owtsweep.studies.base.axes import Axes
-from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.base.keys import ContestConfig
+from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,6 +25,19 @@ WINDOW = "settled"
 
 
 C = TypeVar("C", bound=ContestConfig)
+
+
+class Costs(NamedTuple):
+    """Measured computing times of a study on one core, without compilation.
+
+    record: Time of a record, with its measurements and what is known of it, s per sample.
+    schemes: Name -> time of a record, s per sample.
+    memory: What a process takes, bytes.
+    """
+
+    record: float
+    schemes: Mapping[str, float]
+    memory: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,3 +106,24 @@ def list_origin(contest: Contest[C], config: C) -> dict[str, str]:
         "records per cell": config.grid.count_records(),
         "seed": str(config.seed),
     }
+
+
+def predict(
+    costs: Costs, blocks: Sequence[Block], samples: int, workers: int
+) -> tuple[float, float] | None:
+    """Return the computing time of blocks in s, and the memory in bytes, as `Engine.predict`.
+
+    None if a scheme, such as a user's, has no measured time. `samples` are those of a record.
+    """
+    if any(block.content["scheme"] not in costs.schemes for block in blocks):
+        return None
+    records = {block.group: count_records(block) for block in blocks}  # shared by its schemes
+    each = sum(costs.schemes[block.content["scheme"]] * count_records(block) for block in blocks)
+    seconds = samples * (costs.record * sum(records.values()) + each)
+    return seconds, costs.memory * (workers + 1)  # the sweep's own process, and its workers'
+
+
+def count_records(block: Block) -> int:
+    """Return how many records a block has."""
+    first, stop = block.content["replicates"]
+    return int(stop) - int(first)

@@ -17,8 +17,7 @@ from owtsweep.results.regret import Judged, make_regret
 from owtsweep.results.status import FAILED
 from owtsweep.studies.base import maps, tables
 from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
-from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, describe_draws
-from owtsweep.studies.base.costs import predict
+from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, describe_draws, predict
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.base.keys import ContestConfig
 from owtsweep.studies.base.looks import plan_look

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import WAIT, Contest, tell_single
-from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.base.contest import WAIT, Contest, Costs, tell_single
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.measures import CRITERIA, OTHERS
 from owtsweep.studies.blade.recorded import REFERENCE

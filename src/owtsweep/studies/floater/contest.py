@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import Contest, tell_single
-from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.base.contest import Contest, Costs, tell_single
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.measures import CRITERIA, MEASURES
 

@@ -21,7 +21,7 @@ from owtsweep.results.regret import Judged, make_regret, tell_regret
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
-from owtsweep.studies.base.costs import count_records
+from owtsweep.studies.base.contest import count_records
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes

@@ -9,8 +9,7 @@ import pandas as pd
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.base.contest import Contest, Costs
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import INPUTS, Kind
 from owtsweep.studies.tower.measures import CRITERIA, QUIETEST
