@@ -10,7 +10,7 @@ from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.motion_recorded import read_motion
-from owtsweep.studies.floater.schemes import LARGE_ANGLES
+from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 
 #: Signal-to-noise ratios in dB beyond which numbers overflow.
 LEAST_RATIO, MOST_RATIO = -100.0, 400.0
