@@ -182,7 +182,7 @@ def test_a_run_has_tables_and_maps_over_sea_states(tmp_path):
 
 def test_maps_take_the_first_conditions_with_several_values():
     config = plant(motion__tp=[6.0, 8.0], motion__friction_angle=[30.0, 40.0])
-    assert [c.name for c in find_world(config).order_axes(config)][:2] == ["tp", "friction_angle"]
+    assert find_world(config).find_axes(config)[:2] == ["tp", "friction_angle"]
     assert list_maps(config) == {"": {"hs": 2.0, "blades": 0}}
     further = plant(motion__hs=[1.0, 2.0], motion__tp=[6.0, 8.0], motion__blades=[0, 2])
     assert list_maps(further) == {

@@ -141,7 +141,7 @@ def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
     The first one's name has no end. A condition with a single value is not in the name.
     """
     world = find_world(config)
-    grid, further = world.get_grid(config), [c.name for c in world.order_axes(config)[2:]]
+    grid, further = world.get_grid(config), world.find_axes(config)[2:]
     maps: dict[str, dict[str, Value]] = {}
     for values in product(*(grid[name] for name in further)):
         at = dict(zip(further, values, strict=True))

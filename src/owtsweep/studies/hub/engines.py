@@ -68,7 +68,7 @@ class _Engine(Engine):
 
     def __init__(self, world: World) -> None:
         self.world = world
-        names = [each.name for each in world.conditions if each.name != FRICTION_ANGLE.name]
+        names = [name for name in world.names if name != FRICTION_ANGLE.name]
         #: Columns without which no table can be made.
         self.row_types: Mapping[str, type] = {
             **dict.fromkeys(("scheme", "measure", "window"), str),
@@ -77,15 +77,14 @@ class _Engine(Engine):
         }
 
     def sort_columns(self) -> list[str]:
-        names = [each.name for each in self.world.conditions]
-        return [*names, "scheme", "measure", "window", "replicate"]
+        return [*self.world.names, "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         from owtsweep.figures.terminal import frame, grid
 
         criterion, window = config.measures.criterion, config.measures.window
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
-        conditions = self.world.order_axes(config)
+        conditions = self.world.find_conditions(config)
         judged = JUDGED[criterion]
         shown = grid(
             table, names, conditions, criterion, window,
@@ -102,7 +101,7 @@ class _Engine(Engine):
         return Contents(
             list_origin_lines(config),
             [*self._tell(config, table, tables), *notes],
-            self.world.order_axes(config),
+            self.world.find_conditions(config),
             asked.criteria,
             asked.window,
             asked.contenders,
@@ -117,7 +116,7 @@ class _Engine(Engine):
         """Return the answer in sentences; `table` has the cells of the map."""
         judged, ratios, lines = JUDGED[config.measures.criterion], tables["ratios"], []
         if len(table):
-            lines += tell_answer(table, ratios, judged, self.world.order_axes(config))
+            lines += tell_answer(table, ratios, judged, self.world.find_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, ratios, judged)
             lines += tell_alike(further, tables["summary"], [*ask(config).criteria])

@@ -59,10 +59,10 @@ class PlantWorld(World):
             "friction_angle": config.motion.friction_angle or [LAYERS],
         }
 
-    def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return the conditions, first those with more than one value."""
+    def find_axes(self, config: HubConfig) -> list[str]:
+        """Return all axes, first those with more than one value, so that a map has them."""
         grid = self.get_grid(config)
-        return tuple(sorted(self.conditions, key=lambda condition: len(grid[condition.name]) < 2))
+        return sorted(self.names, key=lambda name: len(grid[name]) < 2)
 
     def check(self, config: HubConfig) -> None:
         _check_keys(config)

@@ -40,13 +40,6 @@ class World(Axes[HubConfig], ABC):
     def get_values(self, config: HubConfig) -> Values:
         return self.get_grid(config)
 
-    def find_axes(self, config: HubConfig) -> list[str]:
-        return [condition.name for condition in self.order_axes(config)]
-
-    def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return the conditions, with the two first that a map has as axes."""
-        return self.conditions
-
     @abstractmethod
     def check(self, config: HubConfig) -> None:
         """Raise `InputError` if the settings of the motion do not fit together, or the sensors."""

@@ -75,7 +75,7 @@ def drawings(
             summary = judge_efficiency(shared, config)
         found |= over_amplitude(config, summary, set(summary["natural_period"]), same)
         found |= {**list_efficiency(config, summary), **list_distributions(config, rows)}
-    names, axes = scheme_names(config) + list_baselines(config), world.order_axes(config)
+    names, axes = scheme_names(config) + list_baselines(config), world.find_conditions(config)
     found |= regret_map.list_maps(tables, names, axes, config.tuning_name, records)
     return {
         **save_each(found, describe_origin(config), metadata),
@@ -127,7 +127,7 @@ def draw_cells(
     return best_scheme_map.draw(
         select(best, at or {}),
         names,
-        find_world(config).order_axes(config)[:2],
+        find_world(config).find_conditions(config)[:2],
         criterion=criterion,
         window=window,
         tuning=config.tuning_name,

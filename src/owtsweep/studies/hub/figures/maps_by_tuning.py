@@ -80,7 +80,7 @@ def draw(
                 f"tuning {tuning}: no cell is judged by {criterion} in window {window!r}"
             )
     names = [*scheme_names(config), *list_baselines(config)]
-    axes_of_maps = find_world(config).order_axes(config)[:2]
+    axes_of_maps = find_world(config).find_conditions(config)[:2]
     planes = {tuning: Plane.of(cells, axes_of_maps) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())
     lines = max(len(plane.lines) for plane in planes.values())
