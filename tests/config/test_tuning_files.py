@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
@@ -77,3 +78,9 @@ def test_a_name_that_is_too_long_is_no_file() -> None:
         compose(["motion=plant", f"structure={'a' * 300}.yaml"])
     with pytest.raises(InputError, match=r"^tuning: there is no file ~no_such_user/mine.yaml"):
         compose(["tuning=~no_such_user/mine.yaml"])
+
+
+@pytest.mark.parametrize("study", ["hub", "tower", "floater", "blade"])
+def test_processes_can_send_a_configuration_of_several_tunings(study: str) -> None:
+    config = compose([f"study={study}", "tuning=[paper,matched]"])
+    assert pickle.loads(pickle.dumps(config)) == config

@@ -60,6 +60,7 @@ def key_of_axes(grid: type[Section]) -> Any:
 
 G = TypeVar("G", bound=Records)
 F = TypeVar("F", bound=Section)
+T = TypeVar("T", bound=Section)
 
 
 class ContestConfig(Config):
@@ -86,10 +87,11 @@ class Tuned(Section, Generic[F]):
     filters: F = key("what schemes assume, and their own numbers")
 
 
-class FilteredConfig(TunedConfig, ContestConfig, Generic[G, F]):
-    """The configuration of a study whose tunings set the section `filters`, of the class F.
+class FilteredConfig(TunedConfig, ContestConfig, Generic[G, F, T]):
+    """The configuration of a study whose tunings set the section `filters`.
 
-    The section `grid` is of the class G.
+    Classes: G of the section `grid`, F of the section `filters`, and T = Tuned[F], which a study's
+    module names itself: pickle finds classes by module and name.
     """
 
     inert: ClassVar[frozenset[str]] = ContestConfig.inert | {"tuning"}
@@ -105,7 +107,7 @@ class FilteredConfig(TunedConfig, ContestConfig, Generic[G, F]):
         "name of the file that sets the section `filters`, or a list of names, whose tunings run "
         "on the same records"
     )
-    tunings: dict[str, Tuned[F]] = key(
+    tunings: dict[str, T] = key(
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: F = key("what schemes assume, and their own numbers", default=ABSENT)

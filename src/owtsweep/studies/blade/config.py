@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from owtsweep.config import key
-from owtsweep.studies.base.keys import FilteredConfig, key_of_axes
+from owtsweep.studies.base.keys import FilteredConfig, Tuned, key_of_axes
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuning
 
 
-class BladeConfig(FilteredConfig[Grid, Tuning]):
+class BladeConfig(FilteredConfig[Grid, Tuning, Tuned[Tuning]]):
     """The configuration of the blade study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = FilteredConfig.inert | {"grade"}

@@ -109,7 +109,7 @@ class Sensors(Section):
     )
 
 
-class FloaterConfig(keys.FilteredConfig[Grid, Tuning]):
+class FloaterConfig(keys.FilteredConfig[Grid, Tuning, keys.Tuned[Tuning]]):
     """The configuration of the floater study, with all its keys."""
 
     axes: list[str] = keys.key_of_axes(Grid)

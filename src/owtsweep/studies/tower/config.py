@@ -11,12 +11,12 @@ from owtsweep.config import Finite, key
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
-from owtsweep.studies.base.keys import FilteredConfig
+from owtsweep.studies.base.keys import FilteredConfig, Tuned
 from owtsweep.studies.tower import sections
 from owtsweep.studies.tower.tuning import Tuning
 
 
-class TowerConfig(FilteredConfig[sections.Grid, Tuning]):
+class TowerConfig(FilteredConfig[sections.Grid, Tuning, Tuned[Tuning]]):
     """The configuration of the tower study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = FilteredConfig.inert | {
