@@ -84,3 +84,10 @@ def test_a_name_that_is_too_long_is_no_file() -> None:
 def test_processes_can_send_a_configuration_of_several_tunings(study: str) -> None:
     config = compose([f"study={study}", "tuning=[paper,matched]"])
     assert pickle.loads(pickle.dumps(config)) == config
+
+
+def test_a_file_is_forgotten_after_it_was_read(mine: Path) -> None:
+    """A study without the group says so, also after another one had a file in it."""
+    compose([f"tuning={mine}"])
+    with pytest.raises(InputError, match="blade: tuning: there is no 'nope'"):
+        compose(["study=mating", "tuning=nope"])

@@ -43,17 +43,20 @@ def place_files(overrides: Sequence[str], model: type[Config]) -> Iterator[list[
         if group in model.from_files or (group == GROUP and model.tuned):
             for word in filter(names_file, words):
                 options.setdefault((group, word), f"{group}-file-{len(options)}")
-    for (group, word), option in options.items():
-        package = "_global_" if group == GROUP else group
-        values = _read_checked(expand_home(word), group, model)
-        ConfigStore.instance().store(option, values, group, package)
+    store = ConfigStore.instance()
     try:
+        for (group, word), option in options.items():
+            package = "_global_" if group == GROUP else group
+            store.store(option, _read_checked(expand_home(word), group, model), group, package)
         yield [_replace(override, options) for override in overrides]
     except InputError as error:  # in the user's words
         text = str(error)
         for (_, word), option in options.items():
             text = text.replace(option, word)
         raise InputError(text) from error
+    finally:  # other configurations know nothing of these options
+        for group, _ in options:
+            store.repo.pop(group, None)
 
 
 def _split(override: str) -> tuple[str, list[str]]:

@@ -81,6 +81,8 @@ class SpectrumTracker:
         now = self.chosen
         best = self._find(whole) if now is None or not _suffices(now, whole) else now
         sized = recent.size(best)
+        if sized == now:
+            return now
         if best == now:
             gain = recent.compute_log_likelihood(sized) - recent.compute_log_likelihood(now)
             if gain <= GAIN:
