@@ -49,8 +49,8 @@ CALM = 0.2
 #: The variance, m^2, up to which fixes help the IMU to see the spectrum. In a larger motion they
 #: are not needed, and an outlier that was not refused would be taken for motion.
 FAINT = 0.01
-#: At each how many looks red noise and lean are looked at. They take minutes to show, and last.
-LOOKS_AT_FIXES = 3
+#: At each how many looks the lean is looked at, which hardly ever changes.
+LOOKS_AT_LEAN = 3
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
 #: Rows of what is kept of fixes: as measured, and what each of two filters made of them: with
@@ -210,10 +210,6 @@ class TrackingFilter:
             if self._was_beaten or _is_contradicted(scores) or _is_blind(self._stated, above):
                 self._give_up()
 
-    @property
-    def _looks_at_fixes(self) -> bool:
-        return self._steps // self._between % LOOKS_AT_FIXES == 0
-
     def _find_white(self) -> float:
         """Return the level of the fixes' white noise that is likely, over what it is said to be."""
         now, fixes = self.told.white, (self._steps - self._level_at) // self._interval
@@ -230,13 +226,11 @@ class TrackingFilter:
         """
         if self._noise_tracker is None:
             return self.told.red
-        if not is_calm:
-            return self._noise_tracker.forget()
-        return self._noise_tracker.look(fixes, sigma) if self._looks_at_fixes else self.told.red
+        return self._noise_tracker.look(fixes, sigma) if is_calm else self._noise_tracker.forget()
 
     def _find_lean(self, force: Array, fixes: Array) -> float:
         """Return the lean, s^-2, that the averaged force (n,) and fixes (m,) make likely."""
-        if self._lean_tracker is None or not self._looks_at_fixes:
+        if self._lean_tracker is None or self._steps // self._between % LOOKS_AT_LEAN:
             return self.told.lean
         return self._lean_tracker.look(force, fixes)
 
