@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hydra.core.config_store import ConfigStore
 
 from owtsweep import InputError
 from owtsweep.cli import BAD_INPUT, main
 from owtsweep.config import as_mapping
+from owtsweep.config.option_files import place_files
 from owtsweep.studies import compose
 from owtsweep.studies.hub.config import TUNED
 
@@ -91,3 +93,16 @@ def test_a_file_is_forgotten_after_it_was_read(mine: Path) -> None:
     compose([f"tuning={mine}"])
     with pytest.raises(InputError, match="blade: tuning: there is no 'nope'"):
         compose(["study=mating", "tuning=nope"])
+
+
+def test_threads_that_read_files_at_once_get_their_own(mine: Path, tmp_path: Path) -> None:
+    """Each waits with its file placed until both have placed theirs."""
+    values = yaml.safe_load(mine.read_text())
+    other = tmp_path / "other.yaml"
+    other.write_text(yaml.safe_dump(values))
+    model = type(compose([]))
+    with place_files([f"tuning={mine}"], model) as first:
+        with place_files([f"tuning={other}"], model) as second:
+            assert first != second
+        assert ConfigStore.instance().repo["tuning"]  # still there
+    assert "tuning" not in ConfigStore.instance().repo

@@ -227,12 +227,12 @@ def test_names_are_told_in_printable_text(run, tmp_path, capsys):
         folder = run("many", name=f"run{number}", level=[1.0, 2.0][:number])
     Path(folder).rename(Path(folder).with_name("run\x1b[2J\u202e"))
     (tmp_path / "many" / "multirun.json").write_text(
-        json.dumps({"runs": [{"folder": "\u2028\x1b[2J", "values": {"\u2028": "1"}}]})
+        json.dumps({"runs": [{"folder": "\ud800\x1b[2J", "values": {"\ud800": "1"}}]})
     )
     assert main(["compare", str(tmp_path / "many")]) == 0
     out, err = capsys.readouterr()
     assert r"run\x1b[2J\u202e" in out
-    assert r"note: \u2028\x1b[2J is left out" in err
+    assert r"note: \ud800\x1b[2J is left out" in err
     report = (tmp_path / "many" / "comparison" / "comparison.md").read_text()
     for line in (out + err + report).split("\n"):
         assert line.isprintable(), repr(line)

@@ -9,6 +9,7 @@ of the config group.
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,9 @@ from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import typed
 from owtsweep.errors import InputError, require, shorten
 from owtsweep.io.reading import expand_home
+
+#: Numbers of files: no two threads give two files one name.
+_NUMBER = itertools.count()
 
 
 def names_file(word: str) -> bool:
@@ -42,7 +46,7 @@ def place_files(overrides: Sequence[str], model: type[Config]) -> Iterator[list[
         group, words = _split(override)
         if group in model.from_files or (group == GROUP and model.tuned):
             for word in filter(names_file, words):
-                options.setdefault((group, word), f"{group}-file-{len(options)}")
+                options.setdefault((group, word), f"{group}-file-{next(_NUMBER)}")
     store = ConfigStore.instance()
     try:
         for (group, word), option in options.items():
@@ -55,8 +59,11 @@ def place_files(overrides: Sequence[str], model: type[Config]) -> Iterator[list[
             text = text.replace(option, word)
         raise InputError(text) from error
     finally:  # other configurations know nothing of these options
-        for group, _ in options:
-            store.repo.pop(group, None)
+        for (group, _), option in options.items():
+            names = store.repo.get(group, {})
+            names.pop(f"{option}.yaml", None)
+            if not names:
+                store.repo.pop(group, None)
 
 
 def _split(override: str) -> tuple[str, list[str]]:

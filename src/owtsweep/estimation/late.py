@@ -194,8 +194,10 @@ class LateGains:
             while self._filled < steps and not self.repeats:
                 first, P = self._filled, self._passed[self._filled].copy()
                 if first + self.span > len(self._rows.fast):
-                    more = self._make_rows(max(first, self.span))
-                    self._rows = LateRows(*map(np.concatenate, zip(self._rows, more, strict=True)))
+                    longer = self._make_rows(max(2 * first, self.span))
+                    for new, old in zip(longer, self._rows, strict=True):
+                        new[: len(old)] = old  # the rest takes no memory yet
+                    self._rows = longer
                 rows = self._cut(first, first + self.span)
                 filled, self.repeats = self._fill(first, P, self._before, TOLERANCE, rows)
                 self._filled += filled

@@ -88,13 +88,13 @@ def find_lag(
     samples that both have, is largest; a parabola through three coefficients finds parts of a
     sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
     period is known but for whole periods; make `longest` (s) shorter than half a period then; None
-    is 5 s, or a fifth of the record if that is less. A result of +-`longest` means that the lag is
-    that long or longer; NaN means a constant signal.
+    is 5 s, or a fifth of the record if that is less, but a sampling interval at least. A result of
+    +-`longest` means that the lag is that long or longer; NaN means a constant signal.
     With `nearest`, the lag is at the first maximum on the way from no lag. Raise `InputError` if
     `longest` is shorter than a sampling interval, or not below half the record.
     """
     steps = len(truth)
-    longest = min(LONGEST, PART * steps * step) if longest is None else longest
+    longest = max(step, min(LONGEST, PART * steps * step)) if longest is None else longest
     most = round(longest / step)
     require(
         1 <= most < steps / 2,

@@ -158,12 +158,15 @@ def read_json(path: Path, most: int) -> object:
 def read_as(kind: type[T], path: Path, most: int, refusal: str) -> T:
     """Read a JSON file of at most `most` bytes as an object of a type, such as a dataclass.
 
-    Raise `InputError` as `read_bytes` does; or with `refusal` after the path, if the file holds
+    Raise `InputError` as `read_text` does; or with `refusal` after the path, if the file holds
     anything else.
     """
-    from pydantic import TypeAdapter, ValidationError
+    import json
 
-    try:
-        return TypeAdapter(kind).validate_json(read_bytes(path, most))
-    except ValidationError:
+    from pydantic import TypeAdapter
+
+    text = read_text(path, most)
+    try:  # not `validate_json`, which refuses file names that are no Unicode
+        return TypeAdapter(kind).validate_python(json.loads(text))
+    except (ValueError, RecursionError):
         raise InputError(f"{path}: {refusal}") from None

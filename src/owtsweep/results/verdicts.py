@@ -296,6 +296,8 @@ def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd
     """
     import pandas as pd
 
+    if best.empty:  # no scheme has an error
+        return best.assign(left="")
     keys = [name for name in best.columns if name in summary.columns and name not in _OTHERS]
     judged = summary[summary["measure"].isin(list(asked.criteria))]
     means = judged.pivot(index=[*keys, "measure"], columns="scheme", values="mean")

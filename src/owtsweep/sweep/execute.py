@@ -10,12 +10,11 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from pickle import PicklingError
-from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from owtsweep import compiled  # in this form the module counts as no source of kernels
@@ -72,9 +71,9 @@ class Executor:
         reported: set[int] = set()
         # Processes cannot share a flag (it does not pickle), and they do not need it.
         local = Local(threading.Event(), tell) if backend == "threading" else None
-        sharing = _make_shared_file(folder) if backend == "dask" else nullcontext()
+        sharing = _share_file(folder) if backend == "dask" else nullcontext()
         with no_modules_of_this_folder(), sharing as file:
-            work = replace(self.work, shared=file and file.name, local=local)
+            work = replace(self.work, shared=file, local=local)
             try:
                 with closing(replace(self, work=work)._run_rounds(queue)) as results:
                     for result in results:
@@ -221,19 +220,26 @@ class Executor:
         return self.work.store.status(key) == "done"
 
 
-def _make_shared_file(folder: Path) -> AbstractContextManager[Any]:
-    """Return a context with a file in the run folder, which is deleted at its end.
+@contextmanager
+def _share_file(folder: Path) -> Iterator[str | None]:
+    """Make a file in the run folder, yield its path, and delete the file at the end.
 
     A worker on another machine that finds the file sees the run folder itself. The file's name is
     random, so another folder with the same path does not contain the file. If the file cannot be
-    written, the context holds None; then workers send their results back instead of storing them.
+    written, yield None; then workers send their results back instead of storing them.
     """
     # Named like a temporary file, so that one left by a killed sweep is cleaned up too.
-    suffix = f".{secrets.token_hex(8)}.tmp"
+    path = folder / f".shared.{secrets.token_hex(8)}.tmp"
     try:
-        return NamedTemporaryFile(dir=folder, prefix=".shared", suffix=suffix)
+        path.touch(exist_ok=False)
     except OSError:
-        return nullcontext()
+        yield None
+        return
+    try:
+        yield str(path)
+    finally:
+        with suppress(OSError):  # another sweep may have cleaned up
+            path.unlink()
 
 
 @contextmanager

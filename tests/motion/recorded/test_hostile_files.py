@@ -43,6 +43,21 @@ def test_companion_that_is_a_pipe(tmp_path: Path) -> None:
     assert "a pipe or a device" in refusal(sel.with_suffix(".dat"))
 
 
+def test_a_selection_that_announces_more_than_there_can_be(tmp_path: Path) -> None:
+    sel = writers.hawc2(tmp_path, {"Time": ("s", TIME), "x": ("m", X)}, "BINARY")
+    lines = sel.read_text().splitlines()
+    lines[8] = lines[8].replace(str(len(TIME)), str(10**19), 1)
+    sel.write_text("\n".join(lines))
+    with pytest.raises(InputError, match="is cut short") as caught:
+        read(sel, rows=10)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_archive_of_no_rows_says_so(tmp_path: Path) -> None:
+    np.savez(tmp_path / "r.npz", time=np.zeros(0), position_x=np.zeros(0))
+    assert "has 0 rows" in refusal(tmp_path / "r.npz")
+
+
 def lying_npz(path: Path, shape: str, descr: str = "<f8") -> Path:
     header = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
     with zipfile.ZipFile(path, "w") as archive:

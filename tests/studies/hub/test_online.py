@@ -195,6 +195,12 @@ def test_one_by_one_is_all_at_once(name: str) -> None:
         assert (estimate.innovation is None) == np.isnan(whole.innovation_variance[k])
 
 
+@pytest.mark.parametrize("name", ["MKF", "HME2", "SKFA"])
+def test_no_samples_give_no_estimates(name: str) -> None:
+    estimator = owtsweep.online(name, origin=(0.0, 0.0))
+    assert estimator.run_record(np.zeros((0, 2)), np.zeros((0, 2))).state.shape == (0, 4)
+
+
 def test_nothing_drifts_and_memory_stays() -> None:
     """After 120 000 steps the estimate is that of one who began 60 000 steps ago."""
     config = configure(tuning="matched")

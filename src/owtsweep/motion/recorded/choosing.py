@@ -58,7 +58,7 @@ def choose_channels(table: ChannelTable, given: Mapping[str, str | None], hub: H
     """
     kinds = get_args(MotionKind)
     require(hub.motion in kinds, f"columns.motion: {hub.motion!r} is none of {', '.join(kinds)}")
-    told = {role: str(name or "").strip() for role, name in given.items()}
+    told = {role: "" if name is None else str(name).strip() for role, name in given.items()}
     chosen = assign_roles(table, told)
     choice = _choose_motion(table.names, chosen, told, hub)
     use = begin_position(chosen)

@@ -168,7 +168,7 @@ def _describe_values(
     text = f"{unit}, {kept.min():.4g} to {kept.max():.4g}, mean {mean:.4g}, "
     text += f"deviation {deviation:.3g}"
     at: Array = np.empty(0)
-    if time is not None and len(time) == len(values):  # MATLAB's may differ in length
+    if time is not None and len(time) == len(values):  # arrays may differ in length
         at = time[there]
     if len(at) > 1:
         text += f", {1.0 / float(np.median(np.diff(at))):.4g} Hz"

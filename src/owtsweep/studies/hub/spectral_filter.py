@@ -210,6 +210,8 @@ class CompiledAxisFilter:
 
 def join(parts: Sequence[AxisEstimates]) -> AxisEstimates:
     """Join the estimates of successive steps."""
+    if not parts:
+        return AxisEstimates.make_empty(0)
     if len(parts) == 1:
         return parts[0]
     return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))

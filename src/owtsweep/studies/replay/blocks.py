@@ -36,7 +36,7 @@ NOT_SHARED = ("table", "noise", "disagreement")
 
 
 class Row(NamedTuple):
-    """What a row says besides the file."""
+    """What a row says besides the file; the second to the fifth are those of `Tally.measures`."""
 
     scheme: str
     measure: str = ""

@@ -41,7 +41,7 @@ KIND_NAMES: dict[Kind, str] = {
 
 @dataclass(frozen=True)
 class PlacedSensors:
-    """Inclinometers chosen one by one, an `owtsweep.sweep.placing.Placed`.
+    """Inclinometers chosen one by one, an `owtsweep.sweep.study.Placed`.
 
     config: the configuration, with the structure as it was given, and the sensors that are there.
     case: the structure with its sensors to choose from.

@@ -88,7 +88,7 @@ def open_arrays(
         found: dict[int, Array] = {}
         for variable in dict.fromkeys(places[each][1] for each in wanted):  # one at a time
             with refuse_damaged(path, *damaged):
-                table = variable.load().reshape(variable.shape[0], -1)
+                table = variable.load().reshape(variable.shape[0], math.prod(variable.shape[1:]))
             for each in wanted:
                 if places[each][1] is variable:
                     found[each] = np.array(table[:rows, places[each][2]], dtype=float)

@@ -96,6 +96,8 @@ def _read(
     scans, count = selection.scans, len(selection.names)
     short = f"is cut short: {scans} scans of {count} channels are announced"
     if selection.factors is not None:
+        there, needed = dat.stat().st_size, 2 * scans * count
+        require(there >= needed, f"{dat}: {short}, of {needed} bytes {there} are there")
         with refuse_damaged(dat, short, ValueError):
             packed = np.memmap(dat, "<i2", "r", shape=(count, scans))
         found = [packed[place, :rows] * selection.factors[place] for place in places]

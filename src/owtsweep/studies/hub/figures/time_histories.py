@@ -188,25 +188,30 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
     others = [name for name in histories.estimated if name not in names]
     blind = [name for name in others if name in SHOWN]
     rest = " and ".join(name for name in others if name not in blind)
-    holds = {
-        f"The paper does not give the amplitude of its histories; {histories.amplitude:g} m is our"
-        " choice (its text has HME1 ahead of HME2 there, and at 4 s only above 0.3 m).": (
-            not histories.sea
+    said = [
+        (
+            not histories.sea,
+            f"The paper does not give the amplitude of its histories; {histories.amplitude:g} m is "
+            "our choice (its text has HME1 ahead of HME2 there, and at 4 s only above 0.3 m).",
         ),
-        "The displacement is along the waves; x is north, y east.": histories.sea != "",
-        f"A fix tells the position of {histories.delay:g} s before it arrives.": (
-            quantity == "position"
+        (histories.sea, "The displacement is along the waves; x is north, y east."),
+        (
+            quantity == "position",
+            f"A fix tells the position of {histories.delay:g} s before it arrives.",
         ),
-        "The IMU alone is integrated from the true initial state.": moves,
-        **dict.fromkeys(_lags(histories, names), not moves),
-        "Panels of x and y are scaled to what is left after the first tenth of the record; before,"
-        " lines may leave them.": quantity == "bias",
-        "Where one line shows, the others lie under it.": not moves and len(names) > 1,
-        **{f"{name} estimates no {quantity}.": True for name in blind},
-        f"Not drawn, as in the paper: {rest}.": rest != "",
-        **{f"{name} is left out: {why}.": True for name, why in histories.left_out.items()},
-    }
-    return " ".join(sentence for sentence, is_so in holds.items() if is_so)
+        (moves, "The IMU alone is integrated from the true initial state."),
+        *((not moves, lag) for lag in _lags(histories, names)),
+        (
+            quantity == "bias",
+            "Panels of x and y are scaled to what is left after the first tenth of the record; "
+            "before, lines may leave them.",
+        ),
+        (not moves and len(names) > 1, "Where one line shows, the others lie under it."),
+        *((True, f"{name} estimates no {quantity}.") for name in blind),
+        (rest, f"Not drawn, as in the paper: {rest}."),
+        *((True, f"{name} is left out: {why}.") for name, why in histories.left_out.items()),
+    ]
+    return " ".join(sentence for is_so, sentence in said if is_so)
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
