@@ -32,7 +32,7 @@ VARIANCES = tuple(np.geomspace(1e-4, 30.0, 20).tolist())
 #: ordinate: the ratio of the window's noise bandwidth to the distance of the ordinates. And the
 #: mean square of the window.
 HANN, HANN_SQUARE = 1.5, 0.375
-_SIZES = np.array(VARIANCES)
+_SIZES, _LOGS = np.array(VARIANCES), np.log(VARIANCES)
 
 
 class Candidate(NamedTuple):
@@ -95,11 +95,10 @@ class Stretch:
     ) -> None:
         self._models = models = _make_models(len(force), of_force, fixes and fixes[1])
         step = of_force.step
-        # the middle of a block of samples is half a block after its beginning
-        of_all = transform(force, step, 0.5 * step)
-        #: One-sided periodogram of the force, (m/s^2)^2/Hz, at all ordinates.
-        self.of_force = compute_periodogram(of_all, len(force) * step)
-        lines = of_all[models.inside]
+        #: Fourier integral of the force, m/s, at all ordinates. The middle of a block of samples is
+        #: half a block after its beginning.
+        self.of_force = transform(force, step, 0.5 * step)
+        lines = self.of_force[models.inside].copy()
         if fixes is not None:
             values, known = fixes
             count = len(models.gain)
@@ -251,4 +250,4 @@ def _find_mean(likelihood: Array) -> int:
     """Return the index of the variance nearest to the mean, given the log likelihood of each."""
     weights = np.exp(likelihood - likelihood.max())
     mean = weights @ _SIZES / weights.sum()
-    return int(np.argmin(np.abs(np.log(VARIANCES) - np.log(mean))))
+    return int(np.argmin(np.abs(_LOGS - np.log(mean))))

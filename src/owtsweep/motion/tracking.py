@@ -11,9 +11,19 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.motion.candidates import Candidate, Fixes, Force, Sea, Stretch, find_ordinates, pick
+from owtsweep.motion.candidates import (
+    Candidate,
+    Fixes,
+    Force,
+    Sea,
+    Stretch,
+    compute_periodogram,
+    find_ordinates,
+    pick,
+)
 
 #: Time between two looks, the shortest record for a look, and the times from which the variance and
 #: the shape are taken, s.
@@ -124,14 +134,15 @@ class SpectrumTracker:
             best, greatest = sea, float(likelihood.max())
         return best
 
-    def _measure_above(self, periodogram: Array, length: int) -> Motion:
-        """Estimate the motion above the band from the periodogram of averaged samples.
+    def _measure_above(self, lines: NDArray[np.complex128], length: int) -> Motion:
+        """Estimate the motion above the band from the Fourier integral of averaged samples.
 
         The estimate begins at `ABOVE` times the band's upper edge, which a Hann window keeps free
         of what is inside the band. A variance may be slightly below zero, by chance.
         """
         above, second, fourth = _list_above(length, self.step, self._band[1])
-        excess = (periodogram[above] - self._noise) / (length * self.step)
+        time = length * self.step
+        excess = (compute_periodogram(lines[above], time) - self._noise) / time
         return Motion(float(np.sum(excess / fourth)), float(np.sum(excess / second)))
 
 

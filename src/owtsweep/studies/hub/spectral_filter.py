@@ -31,6 +31,8 @@ from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
 #: Greatest scaled difference of two covariances that count as one: it moves an estimate by a
 #: millionth of its standard deviation.
 SAME = 1e-6
+#: Most steps that are filtered before it is seen whether all fixes counted fully.
+PIECE = 8192
 
 
 class AxisEstimates(NamedTuple):
@@ -140,7 +142,7 @@ class CompiledAxisFilter:
         parts, done = [], 0
         while done < len(force):
             take = self._follow if self._weighed is None else self._weigh
-            parts.append(take(force[done:], fixes[done:]))
+            parts.append(take(force[done : done + PIECE], fixes[done : done + PIECE]))
             done += len(parts[-1].state)
         return join(parts)
 

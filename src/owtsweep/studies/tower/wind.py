@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
+from owtsweep.errors import require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.lines import sample_periodic
 from owtsweep.motion.recorded import Signals, Wanted, read_signals
@@ -68,11 +68,8 @@ def _draw(
 
 
 def read_file(file: str) -> Signals:
-    """Read the file of recorded loads; raises InputError as `read_signals`, with the key."""
-    try:
-        return read_signals(expand_home(file), WANTED)
-    except InputError as error:
-        raise InputError(f"wind.file: {error}") from error
+    """Read the file of recorded loads; errors are those of `read_signals`."""
+    return read_signals(expand_home(file), WANTED)
 
 
 def read_loads(file: str, *, steps: int, step: float) -> Array:
