@@ -51,7 +51,7 @@ def folder(request, monkeypatch):
     """Workers that see the run folder, and such that do not."""
     if request.param == "handed back":
         # As if the file could not be read there, as on another disk.
-        monkeypatch.setattr(execute, "_make_shared_file", lambda _: nullcontext())
+        monkeypatch.setattr(execute, "_share_file", lambda _: nullcontext())
     return request.param
 
 
