@@ -46,7 +46,7 @@ def make_mixed_rows(fields: list[tuple[str, int]], count: int) -> Rows:
 
 
 class Past:
-    """The last columns of an array that grows, at least as many as are asked for.
+    """The last columns of an array that grows.
 
     rows, kept: number of rows, and of columns that are kept.
     """

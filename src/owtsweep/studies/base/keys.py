@@ -12,6 +12,7 @@ from owtsweep.config import Config, Plain, Positive, Section, as_mapping, key
 from owtsweep.config.common import Record
 from owtsweep.config.grid import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.errors import require
 from owtsweep.streams import Streams, stream
 from owtsweep.studies.base.schemes import SchemeEntries
 
@@ -135,3 +136,9 @@ def only_freedoms(names: Sequence[str]) -> BeforeValidator:
         return value
 
     return BeforeValidator(check)
+
+
+def find_freedom(freedoms: Mapping[str, T], name: str, names: Sequence[str]) -> T:
+    """Return a degree of freedom of `motion.freedoms`; raises InputError if it is missing."""
+    require(name in freedoms, f"motion.freedoms: {name} is missing; give all of {', '.join(names)}")
+    return freedoms[name]

@@ -7,6 +7,7 @@ import numpy as np
 from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
 from owtsweep.motion.lines import HIGHEST
+from owtsweep.studies.base.keys import find_freedom
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import DOF
@@ -57,11 +58,7 @@ def _check_recorded(config: BladeConfig) -> None:
 def _check_motion(config: BladeConfig) -> None:
     motion, grid = config.motion, config.grid
     for name in DOF:
-        require(
-            name in motion.freedoms,
-            f"motion.freedoms: {name} is missing; give all of {', '.join(DOF)}",
-        )
-        freedom = motion.freedoms[name]
+        freedom = find_freedom(motion.freedoms, name, DOF)
         if name in DOF[3:]:
             sizes = [freedom.sigma] if name != "heading" else grid.heading or [freedom.sigma]
             reach = REACH * np.hypot(max(sizes), freedom.gust)

@@ -6,6 +6,7 @@ import numpy as np
 
 from owtsweep.config import require
 from owtsweep.motion.lines import HIGHEST, Span
+from owtsweep.studies.base.keys import find_freedom
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import DOF
@@ -51,11 +52,7 @@ def _check_freedoms(config: FloaterConfig) -> None:
     """Check that every degree of freedom moves, in a resonance that the samples show."""
     motion, record = config.motion, config.record
     for name in DOF:
-        require(
-            name in motion.freedoms,
-            f"motion.freedoms: {name} is missing; give all of {', '.join(DOF)}",
-        )
-        freedom = motion.freedoms[name]
+        freedom = find_freedom(motion.freedoms, name, DOF)
         require(
             freedom.resonance.sigma + freedom.waves > 0.0,
             f"motion.freedoms.{name}: it does not move, so no error is relative to it; give it a "
