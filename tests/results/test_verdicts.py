@@ -15,7 +15,7 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.status import FAILED, OK, UNABLE
 from owtsweep.results.summary import summarise
-from owtsweep.results.verdicts import Asked, find_open, make_table
+from owtsweep.results.verdicts import Asked, find_open, judge_exactly, make_table
 from owtsweep.studies.hub.world import CONDITIONS
 
 POSITION = Criterion("position: rms error", "square", "m", *MILLIMETRE)
@@ -268,3 +268,11 @@ def test_means_side_by_side_are_over_the_records_of_all() -> None:
     assert set(shared["n"]) == {8}
     own = summarise(Cube.of_rows(rows[rows["replicate"] < 8], CONTENDERS, CONDITIONS, GRID))
     pd.testing.assert_frame_equal(shared, own)
+
+
+def test_exact_verdicts_without_any_scheme_are_an_empty_table():
+    """That is so where no scheme has an error and only baselines are left."""
+    best = pd.DataFrame(columns=["natural_period", "criterion", "best"])
+    judged = judge_exactly(best, best.assign(measure="", scheme="", mean=0.0), ASKED)
+    assert judged.empty
+    assert list(judged.columns) == [*best.columns, "left"]

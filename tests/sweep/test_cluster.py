@@ -5,8 +5,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from owtsweep.sweep.execute import _share_file
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 
@@ -47,3 +50,9 @@ def test_an_interrupt_reaches_through(study, config, address):
     with pytest.raises(KeyboardInterrupt):
         sweep(study, c, progress=Interrupts())
     assert sweep(study, c).failed == []
+
+
+def test_a_shared_file_may_be_cleaned_up_by_another_sweep(tmp_path):
+    with _share_file(tmp_path) as file:
+        Path(file).unlink()
+    assert not list(tmp_path.iterdir())
