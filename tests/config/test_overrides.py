@@ -44,7 +44,7 @@ FILES = [
 
 def write_group(folder: Path, **files: str | bytes) -> None:
     """Write files of the group `tuning`: name -> content."""
-    (folder / "tuning").mkdir()
+    (folder / "tuning").mkdir(parents=True)
     for name, content in files.items():
         data = content if isinstance(content, bytes) else content.encode()
         (folder / "tuning" / f"{name}.yaml").write_bytes(data)
@@ -82,6 +82,13 @@ def test_what_hydra_stumbles_over_is_one_line(tmp_path: Path, content: str) -> N
     with pytest.raises(InputError, match=r"^config: ") as caught:
         compose_plain(find_tree("hub"), ["tuning=mine"], str(folder.parent))
     assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize("name", ["it's, mine", "a\\b", "a\\\\b", "a\\", "${x}", "a'\\'b"])
+def test_a_folder_may_have_any_name(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / name
+    write_group(folder, mine="# @package _global_\nband: [0.1, 0.3]\n")
+    assert compose_from(folder, "tuning=mine")["band"] == [0.1, 0.3]
 
 
 @pytest.mark.parametrize("folder", ["a\0b", "x" * 5000, "loop", "nowhere", ""])
