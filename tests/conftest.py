@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import pickle
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,31 @@ def _yaml_is_parsed_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(OmegaConf, "load", staticmethod(remembering))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _equal_words_are_composed_once() -> Iterator[None]:
+    """Compose each list of overrides once per process: a composition takes a tenth of a second.
+
+    The user's own files are composed each time: of a folder that Hydra searches the content may
+    change, and an option that is a file has a new name each time.
+    """
+    from owtsweep.config import composition
+
+    composed: dict[tuple[object, ...], bytes] = {}
+    compose = composition._compose
+
+    def remembering(tree: Any, words: Sequence[str]) -> Any:
+        if any(word.startswith("hydra.") for word in words):
+            return compose(tree, words)
+        key = (tree.folder, tree.primary, *words)
+        if key not in composed:
+            composed[key] = pickle.dumps(compose(tree, words))
+        return pickle.loads(composed[key])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(composition, "_compose", remembering)
         yield
 
 
