@@ -9,6 +9,7 @@ import owtsweep
 from owtsweep import InputError
 from owtsweep.advice import worlds
 from owtsweep.cli.program import main
+from owtsweep.studies.hub.study import HubStudy
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -16,16 +17,23 @@ CASE = ["natural_period=4", "amplitude=0.5", "record.duration=60", "schemes=[MKF
 #: The same case as a sweep has it.
 CELL = ["grid.natural_period=[4]", "grid.amplitude=[0.5]", *CASE[2:]]
 RECORDS = 8
+#: Worlds that are tried here, two at once and then one: of the sensors and of the motion.
+WORLDS = ("leaning_out", "red_fixes", "two_peaks")
 
 
 @pytest.fixture(scope="module")
 def advice(tmp_path_factory):
-    """The whole advice for a short case; the hub's further records are left out."""
-    from owtsweep.studies.hub.study import HubStudy
+    """The whole advice for a short case; further records and most worlds are left out."""
 
+    def list_some(study, config):
+        return {name: told for name, told in whole(study, config).items() if name in WORLDS}
+
+    whole = HubStudy.list_worlds
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("advice"))
         patch.setattr(HubStudy, "advised_records", 40)
+        patch.setattr(HubStudy, "list_worlds", list_some)
+        patch.setattr(worlds, "AT_ONCE", 2)
         yield owtsweep.advise(CASE)
 
 
@@ -99,6 +107,7 @@ def test_a_world_has_the_regret_of_the_key_over(advice, tmp_path, monkeypatch):
 def test_every_lever_and_world_has_a_line(advice):
     text = str(advice)
     assert all(pulled.change in text for pulled in advice.levers)
+    assert sorted(turned.world for turned in advice.worlds) == sorted(WORLDS)
     assert all(f"({turned.world})" in text for turned in advice.worlds)
     assert "Most is bought by" in text
     assert "If nobody knows the world" in text
@@ -126,6 +135,7 @@ def test_levers_of_fewer_records_are_paired_over_these(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("owtsweep.advice.advising.try_worlds", lambda *_: iter(()))
     monkeypatch.setattr("owtsweep.advice.advising.measure_closely", lambda *_: None)
+    monkeypatch.setattr(HubStudy, "levers", HubStudy.levers[:1])
     advice = owtsweep.advise([*CASE, "grid.replicates=3"])
     assert {pulled.ratio.n for pulled in advice.levers} == {3}
 
@@ -135,6 +145,7 @@ def test_a_lever_that_does_not_fit_is_moved_to_one_that_does(tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("owtsweep.advice.advising.try_worlds", lambda *_: iter(()))
     monkeypatch.setattr("owtsweep.advice.advising.measure_closely", lambda *_: None)
+    monkeypatch.setattr(HubStudy, "levers", HubStudy.levers[:3])
     sensors = ["sensors.gnss.rate=10", "sensors.imu.rate=50", "sensors.gnss.delay=.1"]
     advice = owtsweep.advise([*CASE, *sensors, "grid.replicates=3"])
     changes = {pulled.change: pulled for pulled in advice.levers}
