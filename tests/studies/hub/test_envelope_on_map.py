@@ -90,7 +90,7 @@ def test_figures_draws_the_envelope_over_the_map(
     run = owtsweep.run(
         [
             "grid.natural_period=[3.0,4.0,5.0]", "grid.amplitude=[0.2,1.0]", "schemes=[MKF,HME1]",
-            "sensors.imu.rate=20", "record.duration=40", "grid.replicates=2",
+            "sensors.imu.rate=20", "record.duration=20", "grid.replicates=2", "baselines=[]",
             "measures.settling_time=5", "tuning=[paper,matched]", f"results={tmp_path}",
         ]
     )  # fmt: skip

@@ -22,7 +22,7 @@ def test_the_example_walks_from_a_description_to_the_answer(
     run = owtsweep.run(
         [
             "grid.natural_period=[3.0,4.0]", "grid.amplitude=[0.2,1.0]", "schemes=[MKF,HME1]",
-            "sensors.imu.rate=20", "record.duration=40", "grid.replicates=2", "tuning=matched",
+            "sensors.imu.rate=20", "record.duration=20", "grid.replicates=2", "tuning=matched",
             "measures.settling_time=5", "baselines=[]",
         ]
     )  # fmt: skip
