@@ -147,14 +147,15 @@ def test_compiled_and_reference_agree_and_hand_out_one_of_the_two() -> None:
         config = configure(*words, f"engine={engine}", tuning="paper")
         data, sensors = measured(config)
         known = Known(sensors, config)
+        estimators = {
+            name: resolve(name).start_for_runs(known) for name in ("HME1", "MKF", "SWITCH")
+        }
         results[engine] = {
-            name: run_estimator(resolve(name).start_for_runs(known), *data, sensors.fix_interval)
-            for name in ("HME1", "MKF", "SWITCH")
+            name: run_estimator(estimator, *data, sensors.fix_interval)
+            for name, estimator in estimators.items()
         }
         if engine == "batch":
-            estimator = resolve("SWITCH").start_for_runs(known)
-            run_estimator(estimator, *data, sensors.fix_interval)
-            assert estimator.supervisor.switches >= 2
+            assert estimators["SWITCH"].supervisor.switches >= 2
     fast, slow = (results[engine]["SWITCH"] for engine in ("batch", "reference"))
     assert_same(fast.state, slow.state, "estimate", 1e-9)
     np.testing.assert_allclose(fast.covariance, slow.covariance, rtol=1e-9, atol=1e-15)
