@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_tower import SMALL_TOWER
 
 import owtsweep
 
@@ -18,8 +19,8 @@ HUB = [
     "schemes=[EKF,HME1]", "baselines=[HOLD]", "evaluation=direct",
 ]  # fmt: skip
 TOWER = [
-    "study=tower", "grid.noise=[1]", "grid.soil_factor=[1]", "record.duration=60",
-    "record.settling=10", "schemes=[AKF,QUASI_STATIC]",
+    "study=tower", *SMALL_TOWER, "grid.noise=[1]", "grid.soil_factor=[1]",
+    "schemes=[AKF,QUASI_STATIC]",
 ]  # fmt: skip
 FLOATER = [
     "study=floater", "grid.delay=[0]", "grid.bias=[0]", "grid.snr=[20]", "grid.loss=[0]",
@@ -67,7 +68,7 @@ def test_errors_are_those_of_a_sweep(
 def test_a_tower_states_latencies_and_that_none_states_a_covariance() -> None:
     words = [word for word in TOWER if not word.startswith("schemes=")]
     record = owtsweep.estimate([*words, "schemes=[AKF,AKF_LAGGED,MDE]", "filters.lag=0.5"])
-    assert record.latencies == {"AKF": 0.0, "AKF_LAGGED": 0.5, "MDE": 60.0}
+    assert record.latencies == {"AKF": 0.0, "AKF_LAGGED": 0.5, "MDE": 20.0}
     assert record.covariances == {"AKF": {}, "AKF_LAGGED": {}, "MDE": {}}
 
 

@@ -6,6 +6,7 @@ from collections import Counter
 from typing import Any
 
 import pytest
+from small_tower import SMALL_TOWER
 
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import Records
@@ -16,7 +17,7 @@ from owtsweep.studies.base.schemes import SchemeTable
 SHORT = {
     "floater": ["record.duration=60", "record.rate=10", "record.settling=20"],
     "blade": ["record.duration=60", "record.settling=20", "grid.outage=[0]"],
-    "tower": ["record.duration=20", "record.settling=10"],
+    "tower": SMALL_TOWER,
 }
 BUOY = ["study=floater", "motion=decay", *SHORT["floater"]]
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_tower import SMALL_TOWER
 
 from owtsweep import InputError
 from owtsweep.cli import BAD_INPUT, DONE, main
@@ -48,7 +49,7 @@ def test_what_is_declared_exists(name: str) -> None:
         ("floater", ["schemes=[KF_BIAS]", "filters.process=declared"]),
         ("floater", ["schemes=[PASSIVE_OBSERVER]"]),
         ("blade", ["schemes=[PENDULUM]"]),
-        ("tower", ["schemes=[AKF]", "record.rate=20", "record.settling=5", "record.duration=30"]),
+        ("tower", ["schemes=[AKF]", *SMALL_TOWER]),
     ],
 )
 def test_every_number_that_counts_changes_the_errors(name: str, words: list[str]) -> None:

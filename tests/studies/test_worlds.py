@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_tower import SMALL_TOWER
+from tools import from_mapping, lay_over
 
 import owtsweep
 from owtsweep.cli.program import main
-from owtsweep.config import with_values
+from owtsweep.config import as_mapping, with_values
 from owtsweep.config.over import NOMINAL
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
@@ -31,8 +33,10 @@ SHORT = {
     "blade": [
         "record.duration=200", "record.settling=20", "grid.sigma=[0.006]", "grid.outage=[0]",
     ],
+    # Long enough for a few outages.
     "tower": [
-        "record.duration=20", "record.settling=10", "grid.noise=[1]", "grid.soil_factor=[1]",
+        *SMALL_TOWER, "record.duration=60", "record.rate=100", "grid.noise=[1]",
+        "grid.soil_factor=[1]",
     ],
 }  # fmt: skip
 #: Another value of each key of the truth, or what the key needs besides.
@@ -187,8 +191,9 @@ def _plan(config: Any) -> list[Any]:
     ],
 )
 def test_what_cannot_be_unknown_is_refused_in_one_line(study: str, over: str, line: str) -> None:
+    _, config = make(study)
     with pytest.raises(InputError) as caught:
-        make(study, f"over={over}")
+        from_mapping(lay_over(as_mapping(config), [f"over={over}"]))
     assert str(caught.value).startswith(line)
 
 
