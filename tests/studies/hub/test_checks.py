@@ -7,8 +7,7 @@ import re
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from omegaconf import OmegaConf
-from tools import configure, from_mapping
+from tools import configure, from_mapping, lay_over
 
 from owtsweep.config import as_mapping, changed
 from owtsweep.errors import InputError
@@ -167,7 +166,7 @@ VALUES = [
 
 @pytest.mark.parametrize(("override", "message"), VALUES, ids=[case[0] for case in VALUES])
 def test_refused_values(default: dict, override: str, message: str | None) -> None:
-    mapping = OmegaConf.merge(default, OmegaConf.from_dotlist([override]))
+    mapping = lay_over(default, [override])
     if message is None:
         from_mapping(mapping)
         return
@@ -246,7 +245,7 @@ TOO_MUCH = [
 
 @pytest.mark.parametrize(("override", "message"), TOO_MUCH, ids=[case[0][:40] for case in TOO_MUCH])
 def test_refused_before_it_is_computed_with(default: dict, override: str, message: str) -> None:
-    mapping = OmegaConf.merge(default, OmegaConf.from_dotlist([override]))
+    mapping = lay_over(default, [override])
     with pytest.raises(InputError, match=message) as caught:
         from_mapping(mapping)
     assert len(str(caught.value)) < 1200
@@ -269,4 +268,4 @@ def test_refused_before_it_is_computed_with(default: dict, override: str, messag
 )  # fmt: skip
 def test_sizes_that_keys_make_together(default: dict, overrides: list[str], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        from_mapping(OmegaConf.merge(default, OmegaConf.from_dotlist(overrides)))
+        from_mapping(lay_over(default, overrides))
