@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -48,9 +48,20 @@ def compared(folder) -> Compared:
     return compare([str(folder / "early"), str(folder / "late")])
 
 
+@pytest.fixture(scope="module")
+def seeds(folder) -> Compared:
+    """A comparison of two runs with other records."""
+    return compare([str(folder / "late"), str(folder / "seed")])
+
+
+@cache
+def cases_of(folder: Path) -> pd.DataFrame:
+    return owtsweep.load(folder).cases()
+
+
 def mse(folder: Path, scheme: str, period: float, amplitude: float) -> pd.Series:
     """Position MSE by replicate, from the cases and the formula alone."""
-    rows = owtsweep.load(folder).cases()
+    rows = cases_of(folder)
     rows = rows[(rows.scheme == scheme) & (rows.natural_period == period)]
     rows = rows[(rows.measure == "position") & (rows.window == "full")].set_index("replicate")
     return amplitude**2 * rows.motion + 2 * amplitude * rows.cross + rows.noise
@@ -71,10 +82,9 @@ def test_scheme_changes_are_paired_differences_replicate_by_replicate(folder, co
         assert row.n_from == row.n_to == 5
 
 
-def test_another_seed_is_not_paired_and_gets_welchs_interval(folder):
-    compared = compare([str(folder / "late"), str(folder / "seed")])
-    assert any("seed differs" in note and "Welch" in note for note in compared.notes)
-    table = compared.findings.tables["scheme_changes"]
+def test_another_seed_is_not_paired_and_gets_welchs_interval(folder, seeds):
+    assert any("seed differs" in note and "Welch" in note for note in seeds.notes)
+    table = seeds.findings.tables["scheme_changes"]
     assert not table.paired.any()
     for row in table.itertuples():
         cell = row.scheme, row.natural_period, row.amplitude
@@ -125,7 +135,7 @@ def test_boundaries_are_those_of_each_run(folder, compared):
         pd.testing.assert_frame_equal(own[list(expected.columns)], expected)
 
 
-def test_the_report_says_what_all_runs_share_and_in_what_they_differ(folder, compared):
+def test_the_report_says_what_all_runs_share_and_in_what_they_differ(compared, seeds):
     told = (
         "In all runs: tuning paper, GNSS noise 0.03 m, GNSS rate 2 Hz, IMU noise 0.15 m/s², "
         "IMU rate 20 Hz, IMU bias 0.05 m/s², bias walk 0.001 m/s²/√s, record length 30 s, "
@@ -136,7 +146,7 @@ def test_the_report_says_what_all_runs_share_and_in_what_they_differ(folder, com
     for path in compared.findings.figures:
         if path.suffix == ".svg":
             assert "In all runs: tuning paper, " in path.read_text()
-    other = compare([str(folder / "late"), str(folder / "seed")]).findings.origin
+    other = seeds.findings.origin
     assert "seed" not in other.split("The runs differ")[0]
     assert other.endswith(". The runs differ in seed (7, 2019).")
 
