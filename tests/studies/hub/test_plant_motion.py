@@ -339,8 +339,9 @@ def test_figures_3_and_4_show_the_sea_of_the_paper():
 @pytest.mark.parametrize(
     "flags", [[], ["--dry-run"], ["engine=batch"], ["engine=batch", "--dry-run"]]
 )
-def test_vary_needs_a_spectrum_and_says_so_first(flags, tmp_path, capsys):
-    words = ["motion=plant", "sensors.gnss.rate=1,2", f"results={tmp_path}", *flags]
+def test_vary_needs_a_spectrum_and_says_so_first(flags, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["motion=plant", "sensors.gnss.rate=1,2", *flags]
     assert main(["vary", *words]) == 2
     told = capsys.readouterr().err
     assert re.search(r"`vary`.* needs the spectrum of the motion.*; leave out motion=plant", told)
