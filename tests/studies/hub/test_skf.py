@@ -46,7 +46,7 @@ def test_skf_keeps_the_contract_step_by_step_and_online() -> None:
 @pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("delay", [0.0, 0.2, 0.5, 1.3])
 def test_online_form_gives_what_the_reference_gives(delay: float) -> None:
-    config = told(f"sensors.gnss.delay={delay}", "sensors.imu.tilt=0.02", "record.duration=60")
+    config = told(f"sensors.gnss.delay={delay}", "sensors.imu.tilt=0.02", "record.duration=25")
     data, sensors = measured(config)
     M = sensors.fix_interval
     reference, stream = SKF.start(Known(sensors, config)), SKF.stream(Known(sensors, config))
