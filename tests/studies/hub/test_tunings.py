@@ -18,7 +18,7 @@ from owtsweep.sweep.runs import Run
 TINY = (
     "grid.natural_period=[4.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=2",
     "record.duration=30", "measures.settling_time=5", "sensors.imu.rate=20",
-    "schemes=[MKF,HME1]", "compute.backend=threading",
+    "schemes=[MKF,HME1]", "baselines=[]", "compute.backend=threading",
 )  # fmt: skip
 BOTH = "tuning=[paper,matched]"
 
@@ -92,11 +92,12 @@ def test_a_forged_tuning_in_the_plan_is_refused(both: Run, names: object, tmp_pa
 
 
 def test_figures_carry_the_tuning(both: Run) -> None:
-    (png, _) = both.draw("best_scheme_maps")
+    results = both.make_results(both.stored()[0])
+    (png, _) = both.draw("best_scheme_maps", results)
     assert png.name == "best_scheme_maps.png"
-    drawn = {path.name for path in both.draw("figure_15_mse_4s") if path.suffix == ".png"}
+    drawn = {path.name for path in both.draw("figure_15_mse_4s", results) if path.suffix == ".png"}
     assert drawn == {"figure_15_mse_4s_paper.png", "figure_15_mse_4s_matched.png"}
-    assert len(both.draw("figure_03_record")) == 2  # a PNG and an SVG, of no tuning
+    assert len(both.draw("figure_03_record", results)) == 2  # a PNG and an SVG, of no tuning
 
 
 def test_tunings_of_one_run_are_compared(both: Run, capsys: pytest.CaptureFixture[str]) -> None:
@@ -110,7 +111,9 @@ def test_a_multirun_runs_both_tunings_each_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = [*TINY, "tuning=[paper,matched]", "--multirun", "sensors.gnss.delay=0.1,0.2"]
+    monkeypatch.setattr(Run, "draw", lambda *_, **__: [])  # test_figures_carry_the_tuning
+    words = [*TINY, "grid.amplitude=[1.0]", BOTH]
+    words += ["--multirun", "sensors.gnss.delay=0.1,0.2"]
     assert main(["sweep", *words]) == 0
     tables = [pd.read_csv(path) for path in tmp_path.glob("results/*/*/best_scheme.csv")]
     assert [set(table["tuning"]) for table in tables] == [{"paper", "matched"}] * 2
