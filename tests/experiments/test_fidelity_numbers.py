@@ -34,17 +34,28 @@ def scattered() -> Evidence:
     return scattered_world()
 
 
+@pytest.fixture(scope="module")
+def numbers(scattered) -> pd.DataFrame:
+    """The 64 numbers beside those of the scattered world."""
+    return compare_numbers(scattered)
+
+
+@pytest.fixture(scope="module")
+def summary(scattered, numbers) -> pd.DataFrame:
+    """The table fidelity.csv of the scattered world, by item."""
+    return summarise(scattered, numbers).set_index("item")
+
+
 def summarise(evidence: Evidence, numbers: pd.DataFrame) -> pd.DataFrame:
     """Make the table fidelity.csv of a run."""
     scores = [evidence.scores]
     return fidelity_table(evidence, numbers, judge_all(scores), judge_along_x(scores))
 
 
-def test_numbers_by_brute_force(scattered):
-    table = compare_numbers(scattered)
-    assert len(table) == 64
+def test_numbers_by_brute_force(scattered, numbers):
+    assert len(numbers) == 64
     rows = scattered.rows[scattered.rows["status"] == "ok"]
-    for number in table.to_dict("records"):
+    for number in numbers.to_dict("records"):
         part = rows[(rows["scheme"] == number["scheme"]) & (rows["measure"] == number["measure"])]
         part = part[
             (part["natural_period"] == number["natural_period"]) & (part["window"] == "full")
@@ -69,23 +80,20 @@ def test_numbers_by_brute_force(scattered):
         assert number["missed_by_factor_2"] == ("% noise" in number["why"].replace(" %", "%"))
 
 
-def test_the_misprint_of_table_7_is_judged_as_meant(scattered):
-    table = compare_numbers(scattered)
-    noted = table[table["why"].str.contains("misprint")]
+def test_the_misprint_of_table_7_is_judged_as_meant(numbers):
+    noted = numbers[numbers["why"].str.contains("misprint")]
     assert noted[["table", "scheme", "measure", "published", "printed"]].to_numpy().tolist() == [
         [7, "EKF", "vx", 1.98e-3, 1.98e-2]
     ]
     assert "judged at 1.98e-03" in noted["why"].iloc[0]
 
 
-def test_the_misprint_is_marked_wherever_it_is_listed_as_published(scattered):
-    numbers = compare_numbers(scattered)
+def test_the_misprint_is_marked_wherever_it_is_listed_as_published(numbers, summary):
     listed = number_table(numbers).rows
     assert [row for row in listed if "printed" in row[2]] == [
         next(row for row in listed if row[:3] == ["EKF", "vx", "1.98e-03 (misprinted as 1.98e-02)"])
     ]
-    table = summarise(scattered, numbers).set_index("item")["why"]
-    marked = table.index[table.str.contains("misprint")]
+    marked = summary.index[summary["why"].str.contains("misprint")]
     assert set(marked) == {"table 7 EKF vx", "EKF velocity / position MSE, table 7"}
 
 
@@ -140,9 +148,8 @@ def test_schemes_that_coincide_are_no_rivals():
     assert all(c.label.endswith(("EKF", "HME2")) for c in against_mkf.decisions)
 
 
-def test_distances_are_quantiles_of_log_ratios(scattered):
-    numbers = compare_numbers(scattered)
-    table = summarise(scattered, numbers).set_index("item")["reproduced"]
+def test_distances_are_quantiles_of_log_ratios(numbers, summary):
+    table = summary["reproduced"]
     for group in (["MKF", "HME1", "HME2"], ["EKF"]):
         own = np.abs(numbers.loc[numbers["scheme"].isin(group), "log2"])
         name = ", ".join(group)

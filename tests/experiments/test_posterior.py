@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -46,9 +47,14 @@ READING = Reading()
 
 
 @pytest.fixture(scope="module")
-def mkf() -> components.Components:
+def mkf() -> Iterator[components.Components]:
+    """Components of two motions: the four sources of noise come with the first four feeds."""
     names = [setting.name for setting in OF_SCHEME["MKF"]]
-    return components.simulate("MKF", [{name: SEARCHED[name] for name in names}])[0]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(components, "MOTIONS", components.MOTIONS[:2])
+        components._list_feeds.cache_clear()
+        yield components.simulate("MKF", [{name: SEARCHED[name] for name in names}])[0]
+    components._list_feeds.cache_clear()
 
 
 @pytest.fixture(scope="module")
