@@ -4,6 +4,7 @@ import importlib
 import json
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -19,11 +20,29 @@ SMALL = [
     "record.duration=25", "schemes=[MKF]", "baselines=[]",
 ]  # fmt: skip
 DELAYS = "sensors.gnss.delay=0.2,0.4"
+#: The words of the multirun that several tests begin with.
+DONE = [*SMALL[:-2], "baselines=[]", "schemes=[MKF,HME1]", "sensors.gnss.delay=0.4,0.2", "seed=3"]
 
 
 @pytest.fixture(autouse=True)
 def _elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory):
+    """A folder in which `sweep -m` has made two runs."""
+    folder = tmp_path_factory.mktemp("once")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert main(["sweep", "-m", *DONE]) == 0
+    return folder
+
+
+@pytest.fixture
+def done(once):
+    """As if `sweep -m` had just made two runs here."""
+    shutil.copytree(once, ".", dirs_exist_ok=True)
 
 
 @pytest.mark.parametrize(
@@ -53,22 +72,19 @@ def record():
     return path.parent, json.loads(path.read_text())
 
 
-def test_the_record_names_the_runs_in_order_with_their_values():
-    assert main(["sweep", "-m", *SMALL, DELAYS, "seed=3"]) == 0
+def test_the_record_names_the_runs_in_order_with_their_values(done):
     folder, written = record()
-    assert written["overrides"] == [*SMALL, DELAYS, "seed=3"]
+    assert written["overrides"] == DONE
     values = [tuple(run["values"].values()) for run in written["runs"]]
-    assert values == [("0.2",), ("0.4",)]
+    assert values == [("0.4",), ("0.2",)]
     assert {run["folder"] for run in written["runs"]} == {
         path.parent.name for path in folder.glob("*/config.yaml")
     }
 
 
-def test_a_multirun_can_be_compared(capsys):
-    words = ["sweep", "-m", *SMALL[:-1], "schemes=[MKF,HME1]", "sensors.gnss.delay=0.4,0.2"]
-    assert main(words) == 0
+@pytest.mark.usefixtures("undrawn")
+def test_a_multirun_can_be_compared(done, capsys):
     folder, _ = record()
-    capsys.readouterr()
     assert main(["compare", str(folder)]) == 0
     out = capsys.readouterr().out
     assert out.startswith("In all runs: ")
@@ -80,9 +96,10 @@ def test_a_multirun_can_be_compared(capsys):
     assert {"comparison.md", "runs.csv", "changed_cells.csv", "best_scheme_maps.png"} <= {
         path.name for path in (folder / "comparison").iterdir()
     }
-    assert main(words) == 0  # the comparison is in nobody's way
+    assert main(["sweep", "-m", *DONE]) == 0  # the comparison is in nobody's way
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
     broken = "schemes=[MKF,{_target_:user_schemes.Broken,how:raising}]"
     words = [
@@ -108,6 +125,7 @@ def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
     assert len(list(folder.glob("*/config.yaml"))) == len(written["runs"]) == 2
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_unexpected_exception_in_one_run_leaves_the_others(capsys, monkeypatch):
     command = importlib.import_module("owtsweep.cli.multirun")
     original = command.run_one
@@ -126,20 +144,19 @@ def test_an_unexpected_exception_in_one_run_leaves_the_others(capsys, monkeypatc
     assert len(list(folder.glob("*/summary.csv"))) == 1
 
 
-def test_a_refused_run_is_told_apart(capsys):
-    words = ["sweep", "-m", *SMALL, DELAYS]
-    main(words)
+@pytest.mark.usefixtures("undrawn")
+def test_a_refused_run_is_told_apart(done, capsys):
     folder, written = record()
     config = folder / written["runs"][0]["folder"] / "manifest.json"
     config.unlink()
     config.mkdir()
-    capsys.readouterr()
-    assert main(words) == 2
+    assert main(["sweep", "-m", *DONE]) == 2
     out, err = capsys.readouterr()
     assert "manifest.json" in err
-    assert "0 cases computed, 1 were there" in out
+    assert "0 cases computed, 2 were there" in out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_interrupt_tells_what_is_done(capsys, monkeypatch):
     command = importlib.import_module("owtsweep.cli.multirun")
     original = command.run_one
@@ -189,6 +206,7 @@ def test_joblib_runs_the_jobs_elsewhere_and_their_failures_come_back():
     assert done.stderr.count("  retry: ") == 2
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_results_folder_of_special_characters_holds_the_runs():
     assert main(["sweep", "-m", *SMALL, DELAYS, "results='a[b]{c},d'"]) == 0
     (folder,) = Path("a[b]{c},d").iterdir()
