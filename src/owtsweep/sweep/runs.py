@@ -318,7 +318,8 @@ class Run:
         with blame(self.study):
             drawings = list_drawings(self.engine, results, self.metadata())
             only = name_overview(self.engine, results) if overview else only
-        folder.mkdir(exist_ok=True)
+        for each in (folder, self.place / "figures"):  # drawing takes long: see first if it may
+            each.mkdir(exist_ok=True)
         guard = partial(blame, self.study)
         chosen = [name for name in (f"{only}_{tuning}" for tuning in results) if name in drawings]
         if only is None or only in drawings or not chosen:
