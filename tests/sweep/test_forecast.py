@@ -78,10 +78,11 @@ def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, caps
 def test_every_study_knows_time_and_memory_before_any_block_has_been_run(name):
     study = get_study(name)
     words = [f"study={name}", "grid.replicates=8", "compute.workers=2"]
-    told = forecast(study, compose(words))
+    config = compose(words)
+    told = forecast(study, config)
     assert told.seconds > 0.1
     assert 3e8 < told.memory < 3e9
-    more = forecast(study, compose([*words, "grid.replicates=16"]))
+    more = forecast(study, changed(config, grid=changed(config.grid, replicates=16)))
     assert more.seconds == pytest.approx(2 * told.seconds)
 
 
