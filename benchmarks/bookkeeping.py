@@ -43,7 +43,7 @@ LARGE = (
 )
 
 
-def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
+def measure(repeats: int = REPEATS, blocks: int = BLOCKS) -> list[dict[str, Any]]:
     """Measure milliseconds per block (medians); return one row per kind of block and stage.
 
     `ms_per_block` is by the clock. `cpu_ms` leaves out waiting for the disk and for other programs.
@@ -53,9 +53,9 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         kinds = {
-            "hub, 80 cases": (hub, compose([*STUDY, f"grid.replicates={BLOCKS // 24 * 8}"])),
-            "dummy, 80 cases": (BulkStudy(), bulk_config(place, 80 * BLOCKS, 80)),
-            "dummy, 8 cases": (BulkStudy(), bulk_config(place, 8 * BLOCKS, 8)),
+            "hub, 80 cases": (hub, compose([*STUDY, f"grid.replicates={blocks // 24 * 8}"])),
+            "dummy, 80 cases": (BulkStudy(), bulk_config(place, 80 * blocks, 80)),
+            "dummy, 8 cases": (BulkStudy(), bulk_config(place, 8 * blocks, 8)),
         }
         for number, (kind, (study, config)) in enumerate(kinds.items()):
             samples = [
@@ -66,7 +66,7 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
             terms = [stages[stage] for stage in STAGES]
             stages["sum"] = [sum(values) for values in zip(*terms, strict=True)]
             rows += [_row(kind, stage, *values) for stage, values in stages.items()]
-        rows += _whole_sweep(place, repeats)
+        rows += _whole_sweep(place, repeats, blocks)
     return rows
 
 
@@ -107,18 +107,18 @@ def _rows(run: Run, block: Any, random: np.random.Generator) -> Any:
     return next(run.engine.run(run.config, [block]))[1]
 
 
-def _whole_sweep(place: Path, repeats: int) -> list[dict[str, Any]]:
+def _whole_sweep(place: Path, repeats: int, blocks: int) -> list[dict[str, Any]]:
     """Measure whole sweeps of dummy blocks, with nothing stored and with everything stored."""
     first, again = [], []
     for repeat in range(repeats):
-        config = bulk_config(place / f"whole-{repeat}", 80 * BLOCKS, 80, workers=1)
+        config = bulk_config(place / f"whole-{repeat}", 80 * blocks, 80, workers=1)
         first.append(timed(lambda config=config: sweep(BulkStudy(), config))[1])
         again.append(timed(lambda config=config: sweep(BulkStudy(), config))[1])
     return [
         _row(
             "dummy, 80 cases",
             f"whole sweep, {what}",
-            *(1e3 * value / BLOCKS for value in median_time(pairs)),
+            *(1e3 * value / blocks for value in median_time(pairs)),
         )
         for what, pairs in (("nothing stored", first), ("all stored", again))
     ]

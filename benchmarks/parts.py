@@ -30,9 +30,11 @@ PARTS = {
         {"replicates": 8, "repeats": 1, "rounds": 2, "scale": 0.1},
         {"replicates": 1, "repeats": 1, "rounds": 1, "scale": 0.02, "along": ["workers"]},
     ),
-    "online": Part({"steps": 2_000, "repeats": 2}, {"steps": 200, "repeats": 1}),
+    "online": Part(
+        {"steps": 2_000, "repeats": 2}, {"steps": 200, "repeats": 1, "tunings": ("matched",)}
+    ),
     "expected": Part({"tunings": ["matched"]}, {"tunings": ["matched"], "repeats": 1}),
-    "bookkeeping": Part({"repeats": 1}, {"repeats": 1}),
+    "bookkeeping": Part({"repeats": 1}, {"repeats": 1, "blocks": 24}),
 }
 
 

@@ -12,11 +12,12 @@ import warnings
 
 import numpy as np
 import pytest
-from benchmarks.blade import PEER_STEPS, filter_by_peer
+from benchmarks.blade import filter_by_peer
 from hanging import make, run
 from scipy.spatial.transform import Rotation
 from smsfusion import AidedINS, FixedIntervalSmoother
 
+from benchmarks import blade
 from owtsweep.arrays import Array
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.contract import Measured, Setting
@@ -26,11 +27,14 @@ from owtsweep.studies.blade.schemes.navigation import begin
 SLOW = 1e6
 
 
-def test_filterpy_finds_what_our_unscented_filter_finds() -> None:
+def test_filterpy_finds_what_our_unscented_filter_finds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over 2.5 s with 25 fixes: a process noise that is off by .1 % would be seen."""
+    monkeypatch.setattr(blade, "PEER_STEPS", 250)
     _, _, measured, setting = make()
+    assert np.count_nonzero(measured.due[:250]) == 25
     theirs, _ = filter_by_peer(setting, measured)
-    ours = run("UKF", setting, measured).root[:PEER_STEPS]
-    assert np.abs(theirs - ours).max() < 1e-6
+    ours = run("UKF", setting, measured).root[:250]
+    assert np.abs(theirs - ours).max() < 2e-7
 
 
 def _describe_bias(walk: float) -> dict[str, float]:
