@@ -9,7 +9,9 @@ from pathlib import Path
 
 import own_schemes
 import pytest
+from small_tower import SMALL_TOWER
 
+import owtsweep
 from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.errors import InputError
@@ -20,18 +22,17 @@ from owtsweep.testing import check_scheme
 
 TINY = [
     "study=floater", "record.duration=60", "record.rate=10", "record.settling=20",
-    "grid.delay=[0,2]", "grid.bias=[0.1]", "grid.replicates=2", "compute.workers=1",
+    "grid.delay=[0,2]", "grid.bias=[0.1]", "grid.replicates=2", "compute=single",
 ]  # fmt: skip
 #: Study -> the overrides with which its schemes are checked: short records, but of the hub.
 SHORT = {
-    "hub": ["tuning=matched"],
+    # A short window, which is full before the record ends.
+    "hub": [
+        "tuning=matched", "hme.mhe.horizon=3", "hme.mhe.smoother_window=3", "skf.states=6",
+    ],
     "floater": ["record.duration=60", "record.rate=10", "record.settling=20"],
     "blade": ["record.duration=60", "record.settling=20", "grid.outage=[0]"],
-    "tower": [
-        f"structure={Path(__file__).with_name('tower') / 'small.yaml'}", "record.duration=20",
-        "record.rate=20", "record.settling=10", "truth.subdivision=1",
-        "sensors.inclinometers=[0,20,80,110]", "sensors.accelerometers=[50,110]",
-    ],
+    "tower": SMALL_TOWER,
 }  # fmt: skip
 #: All schemes but NONE, whose estimate is zero whatever the data.
 OURS = [(study, name) for study in SHORT for name in get_study(study).schemes() if name != "NONE"]
@@ -74,7 +75,8 @@ def test_a_sound_scheme_passes() -> None:
 def test_a_users_scheme_runs_beside_ours_and_its_errors_are_its_own() -> None:
     names = ["Held", "Exits", "Short", "Nan", "Refuses"]
     entries = ",".join(["LOWPASS", *map(own, names)])
-    assert main(["sweep", *TINY, "name=mine", f"schemes=[{entries}]"]) == 1
+    in_processes = ["compute=local", "compute.workers=1"]
+    assert main(["sweep", *TINY, *in_processes, "name=mine", f"schemes=[{entries}]"]) == 1
     rows = load("results/mine").cases()
     told = rows.groupby("scheme", observed=True)[["status", "reason"]].first()
     assert told.loc[["LOWPASS", "HELD"], "status"].tolist() == ["ok", "ok"]
@@ -101,7 +103,7 @@ def test_a_users_scheme_that_is_best_nowhere_has_its_line(
 def test_a_users_scheme_of_the_tower_fails_alone() -> None:
     words = ["study=tower", *SHORT["tower"], "grid.noise=[1]", "grid.soil_factor=[1]"]
     entries = f"schemes=[QUASI_STATIC,{own('Falls')}]"
-    assert main(["sweep", *words, "grid.replicates=1", "compute.workers=1", entries]) == 1
+    assert main(["sweep", *words, "grid.replicates=1", "compute=single", entries]) == 1
     rows = load(next(Path("results").iterdir())).cases().groupby("scheme", observed=True)
     told = rows[["status", "reason"]].first()
     assert told.loc["QUASI_STATIC", "status"] == "ok"
@@ -142,7 +144,7 @@ def test_a_scheme_of_another_package(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_stored_run_is_read_without_the_users_code(monkeypatch: pytest.MonkeyPatch) -> None:
     words = [*TINY, "name=mine", f"schemes=[LOWPASS,{own('Held')}]"]
-    assert main(["sweep", *words]) == 0
+    owtsweep.run(words)
     monkeypatch.setitem(sys.modules, "own_schemes", None)
     run = load("results/mine")
     assert set(run.summary()["scheme"]) == {"LOWPASS", "HELD"}

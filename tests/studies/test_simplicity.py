@@ -8,7 +8,7 @@ from importlib.metadata import EntryPoint
 import own_schemes
 import pytest
 
-from owtsweep import load
+from owtsweep import load, run
 from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study, names
@@ -71,7 +71,7 @@ def test_a_stored_run_ranks_a_users_scheme_without_its_code(
     monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     monkeypatch.chdir(tmp_path_factory.mktemp("stored"))
-    assert main(["sweep", *TINY, "schemes=[KF,{_target_:own_schemes.Plain}]"]) == 0
+    run([*TINY, "schemes=[KF,{_target_:own_schemes.Plain}]"])
     monkeypatch.setitem(sys.modules, "own_schemes", None)
     config = load("results/mine").config
     assert get_study("floater").scheme_table().rank(config) == {"PLAIN": 18, "KF": 33}
