@@ -200,10 +200,14 @@ class Parts:
         return 0 if self.predict is None else self.input_delay + self.window
 
 
-def chain(parts: Parts, sensors: Sensors, steps: int = LONGEST_TRANSIENT) -> Chain:
+def chain(
+    parts: Parts, sensors: Sensors, steps: int = LONGEST_TRANSIENT, *, maps: bool = True
+) -> Chain:
     """Make a chain from its parts.
 
-    `steps` is the length of the longest record. Gains are stored for at most so many steps.
+    steps: length of the longest record. Gains are stored for at most so many steps.
+    maps: whether the MHE's maps are made. They may take seconds; a chain that lacks them cannot
+        run, but its gains and covariances are the same.
     """
     axis, window, horizon = parts.axis, parts.window, parts.horizon
     M = sensors.fix_interval
@@ -235,7 +239,7 @@ def chain(parts: Parts, sensors: Sensors, steps: int = LONGEST_TRANSIENT) -> Cha
             fix_interval=M,
         ),
         predictor=predictor_arrays(parts.predict, parts.ahead, sensors.step),
-        mhe=horizon.arrays(gains, sensors) if horizon else NO_HORIZON,
+        mhe=horizon.arrays(gains, sensors) if horizon and maps else NO_HORIZON,
         axis=axis,
         input_model=parts.predict,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from operator import attrgetter
 from typing import Literal
 
@@ -35,20 +36,18 @@ class ChainScheme(Scheme):
         """Make the chain for records of `steps` IMU steps."""
 
     def kernel(self, known: Known, steps: int | None = None) -> Chain:
-        return self._share(known, LONGEST_TRANSIENT if steps is None else steps, for_runs=False)
+        return self._share(known, LONGEST_TRANSIENT if steps is None else steps, self.make_chain)
 
     def kernel_for_runs(self, known: Known, steps: int) -> Chain:
-        return self._share(known, steps, for_runs=True)
+        return self._share(known, steps, self._make_for_runs)
 
-    def _share(self, known: Known, steps: int, *, for_runs: bool) -> Chain:
+    def _make_for_runs(self, known: Known, steps: int) -> Chain:
+        return self.make_chain(known, steps).for_runs()
+
+    def _share(self, known: Known, steps: int, make: Callable[[Known, int], Chain]) -> Chain:
         sections = tuple(repr(attrgetter(section)(known.tuning)) for section in self.sections)
-        key = (type(self), self.name, known.sensors, steps, for_runs, *sections)
-
-        def make() -> Chain:
-            made = self.make_chain(known, steps)
-            return made.for_runs() if for_runs else made
-
-        return CHAINS.find(key, make)
+        key = (type(self), self.name, known.sensors, steps, make.__name__, *sections)
+        return CHAINS.find(key, lambda: make(known, steps))
 
 
 class FilterScheme(ChainScheme):
@@ -70,6 +69,13 @@ class FilterScheme(ChainScheme):
 
     def make_chain(self, known: Known, steps: int) -> Chain:
         return chain(self.find_parts(known), known.sensors, steps)
+
+    def find_gains(self, known: Known) -> Chain:
+        """Return the chain for records of any length, for its gains and covariances alone."""
+        return self._share(known, LONGEST_TRANSIENT, self._make_without_maps)
+
+    def _make_without_maps(self, known: Known, steps: int) -> Chain:
+        return chain(self.find_parts(known), known.sensors, steps, maps=False)
 
     def under(self, config: HubConfig) -> Scheme:
         """Return `self`, to be run step by step if fixes lose weight."""

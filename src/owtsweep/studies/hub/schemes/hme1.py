@@ -40,7 +40,7 @@ class HME1Estimator:
         sensors, parts = known.sensors, scheme.find_parts(known)
         assert parts.predict is not None
         self.parts, self.sensors, self.input_model = parts, sensors, parts.predict
-        self.gains = scheme.kernel(known)
+        self.gains = scheme.find_gains(known)
         self.on_schedule = parts.fix_rule == PLAIN
         self.filter = MultirateKalmanFilter(parts, sensors.rotation)
         self.smoother = FixedLagSmoother(self.filter.kf.F, parts.window)
