@@ -11,8 +11,9 @@ from owtsweep.errors import InputError
 from owtsweep.sweep.runs import Run
 
 SMALL = [
-    "record.duration=120", "grid.natural_period=[4,6]", "grid.amplitude=[0.2,2]",
-    "grid.replicates=3", "schemes=[MKF,HME1,HME2,SKF]",
+    "record.duration=60", "measures.settling_time=20", "sensors.imu.rate=50",
+    "grid.natural_period=[4,6]", "grid.amplitude=[0.2,2]", "grid.replicates=2",
+    "schemes=[MKF,HME1,HME2,SKF]", "compute=single",
 ]  # fmt: skip
 KEYS = ["natural_period", "amplitude", "scheme", "measure", "window", "replicate"]
 VALUES = ["motion", "cross", "noise", "value"]
@@ -43,7 +44,7 @@ ALONE = {
         "sensors.gnss.correlation.time=300",
     ],
     "two_peaks": ["motion.peaks=[0.1,0.26]"],
-    "drifting_period": ["motion.pace=[[0,1],[120,1.1111111111111112]]"],
+    "drifting_period": ["motion.pace=[[0,1],[60,1.1111111111111112]]"],
     "plant_seas": ["structure=ren2019", "motion.hs=[2]", "motion.tp=[8]"],
     "leaning_out": [
         "sensors.imu.tilt=0.0137", "ekf.tilt=0", "mkf.tilt=0", "hme1.tilt=0", "hme2.tilt=0",
@@ -105,7 +106,7 @@ def test_kernels_and_steps_agree_in_a_world_that_departs(
     unknown: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     words = ["grid.natural_period=[4]", "grid.amplitude=[0.5]", "grid.replicates=1",
-             "record.duration=30", "schemes=[MKF,HME1]", "compute=single",
+             "record.duration=12", "measures.settling_time=4", "schemes=[MKF,HME1]",
              f"over={{{unknown}}}"]  # fmt: skip
     world = unknown.replace(": [", "=").removesuffix("]")
     batch, steps = (
