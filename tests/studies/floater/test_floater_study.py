@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
+import owtsweep
 from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
@@ -51,8 +52,7 @@ def test_the_study_keeps_the_contract() -> None:
 
 def test_a_sweep_says_who_is_best_and_who_waits() -> None:
     words = ["tuning=[paper,matched]", "schemes=[KF,KF_REPAIRED,FIXED_LAG]", "name=two"]
-    assert main(["sweep", *TINY, *words]) == 0
-    result = load("results/two")
+    result = owtsweep.run([*TINY, *words])
     tables = result.tables()
     assert set(tables["summary"]["scheme"]) == {"KF", "KF_REPAIRED", "FIXED_LAG"}
     best = tables["best_scheme"]
@@ -74,8 +74,7 @@ def test_a_sweep_says_who_is_best_and_who_waits() -> None:
 def test_the_rows_of_a_run_judge_nothing_of_the_paper(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert main(["sweep", *TINY, "name=one", "grid.replicates=1", "schemes=[KF]"]) == 0
-    capsys.readouterr()
+    owtsweep.run([*TINY, "name=one", "grid.replicates=1", "schemes=[KF]"])
     assert main(["fidelity", "results/one"]) == 2
     told = capsys.readouterr().err
     assert "study 'floater'" in told
