@@ -28,7 +28,7 @@ SLOW = 1e6
 
 
 def test_filterpy_finds_what_our_unscented_filter_finds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Over 2.5 s with 25 fixes: a process noise that is off by .1 % would be seen."""
+    """Over 5 s with 25 fixes: a process noise that is off by .1 % would be seen."""
     monkeypatch.setattr(blade, "PEER_STEPS", 250)
     _, _, measured, setting = make()
     assert np.count_nonzero(measured.due[:250]) == 25
