@@ -75,7 +75,8 @@ def configure(
     stated = {get_key(word) for word in overrides}
     rates = {} if "sensors" in stated else measure_sensors(config, paths)
     measured = [f"{key}={rate:.12g}" for key, rate in rates.items() if key not in stated]
-    config = compose_replay([*overrides, *measured], config_dir)
+    if [*overrides, *measured] != told:
+        config = compose_replay([*overrides, *measured], config_dir)
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
     if table is not None:
