@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -57,8 +58,9 @@ def motion(
 def write_csv(path: Path, columns: dict[str, np.ndarray]) -> Path:
     """A CSV in which NaN is an empty field."""
     lines = [",".join(columns)]
-    for row in zip(*columns.values(), strict=True):
-        lines.append(",".join("" if np.isnan(v) else repr(float(v)) for v in row))
+    numbers = (np.asarray(values, dtype=float).tolist() for values in columns.values())
+    for row in zip(*numbers, strict=True):
+        lines.append(",".join("" if math.isnan(v) else repr(v) for v in row))
     path.write_text("\n".join(lines) + "\n")
     return path
 

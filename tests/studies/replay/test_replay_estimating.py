@@ -21,7 +21,7 @@ SMALL = (
 @pytest.mark.parametrize("name", ["EKF", "MKF", "HME1", "HME2"])
 @pytest.mark.parametrize("missing", [(), (3, 7, 8)])
 def test_all_engines_agree(tmp_path, name, missing):
-    path = sensor_file(tmp_path / "a.csv", duration=16.0, missing=missing)
+    path = sensor_file(tmp_path / "a.csv", duration=11.0, missing=missing)
     config = config_of([path], *SMALL)
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))

@@ -73,7 +73,7 @@ def test_estimates_do_not_depend_on_the_pieces(tmp_path, short_pieces, name, how
         motion_file(path, duration=30.0)
     else:
         missing = (9, 10) if how == "missing fixes" else ()
-        sensor_file(path, duration=12.0 if slow else 30.0, missing=missing)
+        sensor_file(path, duration=9.0 if slow else 30.0, missing=missing)
     own = SLOW if slow else ()
     config = config_of([path], "sensors.yaw=25", "measures.settling_time=5", *own)
     sensors = sensing.sensors(config.sensors)

@@ -72,11 +72,12 @@ def test_a_later_fix_tells_the_error_and_its_own_noise(case):
 
 def test_holding_the_last_fix(case):
     record, measured, _, _ = case
-    last, squared = np.zeros(2), []
-    for k in range(record.steps):
-        if k % 100 == 0 and np.isfinite(measured.fixes[k // 100, 0]):
-            last = measured.fixes[k // 100]
-        squared.append(np.sum((last - record.position[k]) ** 2))
+    last, kept = np.zeros(2), []
+    for fix in measured.fixes:
+        last = fix if np.isfinite(fix[0]) else last
+        kept.append(last)
+    every = np.repeat(kept, 100, axis=0)[: record.steps]
+    squared = np.sum((every - record.position) ** 2, axis=1)
     rows = blocks.run_baselines(config_of([]), record)
     held = {(row.measure, row.window): row.value for row in rows if row.scheme == "last_fix"}
     assert held["position", "settled"] == pytest.approx(np.mean(squared[2000:]))

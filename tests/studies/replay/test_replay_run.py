@@ -96,20 +96,21 @@ def test_python_interface():
 
 
 def test_many_records_resume_and_equal_single_ones():
+    words = [*QUICK[1:], "schemes=[MKF]"]
     for number in range(3):
         motion_file(Path(f"r{number}.csv"), duration=25.0, rms=0.1 * (1 + number), seed=number)
-    first = execute(configure(["r0.csv", "r1.csv"], QUICK))
-    assert (first.computed, first.reused) == (6, 0)
-    both = execute(configure(["r[0-9].csv"], QUICK))
-    assert (both.computed, both.reused) == (3, 6)
+    first = execute(configure(["r0.csv", "r1.csv"], words))
+    assert (first.computed, first.reused) == (4, 0)
+    both = execute(configure(["r[0-9].csv"], words))
+    assert (both.computed, both.reused) == (2, 4)
     assert both.run.folder == first.run.folder
-    scratch = execute(configure(["r2.csv", "r1.csv", "r0.csv"], [*QUICK, "name=scratch"]))
+    scratch = execute(configure(["r2.csv", "r1.csv", "r0.csv"], [*words, "name=scratch"]))
     key = ["file", "scheme", "measure", "window"]
     one, other = (
         o.run.table("errors").sort_values(key, ignore_index=True) for o in (both, scratch)
     )
     pd.testing.assert_frame_equal(one, other, check_exact=True)
-    alone = owtsweep.replay("r1.csv", QUICK).errors().drop(columns="file")
+    alone = owtsweep.replay("r1.csv", words).errors().drop(columns="file")
     among = one[one.file == "r1"].drop(columns="file")
     pd.testing.assert_frame_equal(
         alone.sort_values(key[1:], ignore_index=True),
@@ -117,8 +118,8 @@ def test_many_records_resume_and_equal_single_ones():
         check_exact=True,
     )
     motion_file(Path("r1.csv"), duration=25.0, rms=0.7, seed=9)  # another record, the same name
-    changed = execute(configure(["r0.csv", "r1.csv", "r2.csv"], QUICK))
-    assert (changed.computed, changed.reused) == (3, 6)
+    changed = execute(configure(["r0.csv", "r1.csv", "r2.csv"], words))
+    assert (changed.computed, changed.reused) == (2, 4)
 
 
 def test_records_of_one_name_do_not_share_a_folder():
@@ -150,7 +151,7 @@ def test_a_table_of_sea_states_becomes_a_map(capsys):
 
 def test_sensors_without_a_reference(capsys):
     sensor_file(Path("s.csv"), duration=40.0, reference=False, missing=(12, 13), jitter=0.03)
-    assert main(["replay", "s.csv", *QUICK]) == 0
+    assert main(["replay", "s.csv", *QUICK[1:], "schemes=[MKF]"]) == 0
     out, err = capsys.readouterr()
     assert "irregular by up to 0.0" in err
     assert "2 of" in err
@@ -161,8 +162,9 @@ def test_sensors_without_a_reference(capsys):
     assert "position" not in measures
 
 
-def test_fixes_without_delay_get_an_answer(capsys):
+def test_fixes_without_delay_get_an_answer(capsys, monkeypatch):
     """The stated delay is 0.2 s; the record shows none, and is answered with what it shows."""
+    monkeypatch.setattr(Run, "draw", lambda *args, **options: [])
     noise = np.random.default_rng(4).standard_normal((4, 4000))
     time = 0.02 * np.arange(4000)
     x, fixed = 0.3 * np.sin(1.2 * time), np.arange(4000) % 10 == 0
@@ -170,12 +172,12 @@ def test_fixes_without_delay_get_an_answer(capsys):
     record["gps_x"] = np.where(fixed, x + 0.02 * noise[2], np.nan)
     record["gps_y"] = np.where(fixed, 0.02 * noise[3], np.nan)
     record.to_csv("s.csv", index=False)
-    assert main(["replay", "s.csv", *QUICK[:1]]) == 0
+    assert main(["replay", "s.csv", "schemes=[MKF]"]) == 0
     out, _ = capsys.readouterr()
     assert "in whole IMU steps: sensors.gnss.delay=0" in " ".join(out.split())
     assert "Run with the noise that the record shows" in out
     # a delay that suits the file's own rate, not the stated one of 100 Hz
-    assert main(["replay", "s.csv", *QUICK[:1], "sensors.gnss.delay=0.01"]) == 2
+    assert main(["replay", "s.csv", "schemes=[MKF]", "sensors.gnss.delay=0.01"]) == 2
     assert "the IMU step 0.02 s; use 0 or 0.02" in capsys.readouterr().err
 
 
@@ -198,7 +200,7 @@ BAD = {
     "an engine": (["good.csv", "engine=expected"], "engine"),
     "gaps": (["good.csv", "gaps=ignore"], "gaps"),
     "another band": (["good.csv", "replay.band=[20,30]"], "kept up to 5 Hz"),
-    "hours": (["good.csv", "units.time=h"], "units.time"),
+    "hours": (["good.csv", "units.time=h", "sensors.imu.rate=50"], "units.time"),
     "a cut-off": (["good.csv", "replay.cutoff=9"], "replay.cutoff: 9 Hz"),
     "fixes of a motion": (["good.csv", "replay.gnss=recorded"], "replay.gnss=recorded"),
     "another study": (["good.csv", "study=hub"], "study: 'hub' replays no record"),

@@ -2,21 +2,22 @@
 
 import pytest
 
-import owtsweep
 from owtsweep.studies.replay.describe import describe_tilt
-from owtsweep.studies.replay.facts import pick_facts
+from owtsweep.studies.replay.facts import measure_record
 from owtsweep.studies.replay.files import MOTION, write_sample
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.running import configure
 
 pytestmark = pytest.mark.usefixtures("kernels")
-FEW = ["schemes=[HME1]", "replay.replicates=2", "replay.noise=stated"]
 
 
 def tell(tmp_path, tilt: float) -> str:
     """Return what is said of a tilt, rad/m, for the sample motion."""
     write_sample(tmp_path)
-    words = [*FEW, f"sensors.imu.tilt={tilt}", f"results={tmp_path}"]
-    run = owtsweep.replay(tmp_path / MOTION, words).run
-    return describe_tilt(run.config, pick_facts(run.table("records")))  # type: ignore[arg-type]
+    words = ["schemes=[HME1]", f"sensors.imu.tilt={tilt}"]
+    config = configure([str(tmp_path / MOTION)], words)
+    found = measure_record(config, load_record(config, config.grid.files[0]))
+    return describe_tilt(config, {name: value for name, _, value, _ in found})
 
 
 @pytest.mark.parametrize(
