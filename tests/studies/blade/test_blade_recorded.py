@@ -61,6 +61,14 @@ def folder(lift: EstimatedRecord, tmp_path_factory: pytest.TempPathFactory) -> P
     return folder
 
 
+@pytest.fixture(scope="module")
+def plain(folder: Path) -> EstimatedRecord:
+    """The estimates from the table of one antenna."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        return _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
+
+
 @pytest.fixture(autouse=True)
 def _files(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Work among copies of the files."""
@@ -122,14 +130,12 @@ def test_a_given_heading_tilts_as_gravity_says(lift: EstimatedRecord) -> None:
 
 
 @pytest.mark.parametrize("kind", ["globe", "nmea"])
-def test_positions_on_the_globe_are_those_of_the_table(kind: str, lift: EstimatedRecord) -> None:
-    words = ["recorded.heading=0"]
-    table = _run("recorded.gnss=[gnss0.csv]", *words)
+def test_positions_on_the_globe_are_those_of_the_table(kind: str, plain: EstimatedRecord) -> None:
     if kind == "nmea":
         _write_nmea()
     file = "fixes.nmea" if kind == "nmea" else "globe.csv"
-    globe = _run(f"recorded.gnss=[{file}]", *words)
-    apart = globe.estimates["MEKF"]["root"] - table.estimates["MEKF"]["root"]
+    globe = _run(f"recorded.gnss=[{file}]", "recorded.heading=0")
+    apart = globe.estimates["MEKF"]["root"] - plain.estimates["MEKF"]["root"]
     apart -= apart[1500:2400].mean(axis=0)  # another origin
     assert np.abs(apart[1500:2400]).max() < (2e-3 if kind == "nmea" else 1e-4)
 
@@ -148,8 +154,7 @@ def test_float_solutions_of_nmea_are_told() -> None:
     assert size[5] > 2.0 * size[4]
 
 
-def test_columns_units_mounting_and_a_shifted_clock() -> None:
-    plain = _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
+def test_columns_units_mounting_and_a_shifted_clock(plain: EstimatedRecord) -> None:
     imu, gnss = pd.read_csv("imu.csv"), pd.read_csv("gnss0.csv")
     turned = imu.copy()
     for a, b in (("fx", "fy"), ("wx", "wy")):  # the unit's x is the blade's y, its y minus x
@@ -169,10 +174,10 @@ def test_columns_units_mounting_and_a_shifted_clock() -> None:
     )
 
 
-def test_a_sweep_judges_against_withheld_fixes(tmp_path: Path) -> None:
+def test_a_sweep_judges_against_withheld_fixes() -> None:
     run = owtsweep.run([
         *RECORDED, "grid.outage=[0,10]", "recorded.gnss=[gnss0.csv,gnss1.csv]",
-        "schemes=[HOLD,MEKF,GNSS_WAHBA,TOTAL_STATIONS]", f"results={tmp_path}",
+        "schemes=[HOLD,MEKF,GNSS_WAHBA,TOTAL_STATIONS]",
         "compute.backend=threading",  # processes that another test left stand in its folder
     ])  # fmt: skip
     rows = run.cases()
@@ -294,9 +299,8 @@ def test_sentences_are_described_as_a_table() -> None:
 
 
 def test_an_inertial_unit_with_jitter_and_missing_rows_is_resampled(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
+    plain: EstimatedRecord, caplog: pytest.LogCaptureFixture
 ) -> None:
-    plain = _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
     imu = pd.read_csv("imu.csv").drop(index=[700, 701, 1500])
     imu.to_csv("imu.csv", index=False)
     found = _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
@@ -406,11 +410,11 @@ def _hoist(speed: float) -> None:
     [(0.0, "MEKF,PENDULUM", False), (0.02, "MEKF,PENDULUM", True), (0.02, "MEKF", False)],
 )
 def test_a_hook_that_moves_is_warned_of_if_pendulum_runs(
-    speed: float, schemes: str, warned: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    speed: float, schemes: str, warned: bool, caplog: pytest.LogCaptureFixture
 ) -> None:
     _hoist(speed)
     words = ["recorded.gnss=[gnss0.csv]", "recorded.heading=0", f"schemes=[{schemes}]"]
-    owtsweep.run([*RECORDED, *CELL, *words, f"results={tmp_path}", "compute=single"])
+    owtsweep.run([*RECORDED, *CELL, *words, "compute=single"])
     told = [r.getMessage() for r in caplog.records if "the hook moves" in r.getMessage()]
     assert len(told) == warned
     if warned:

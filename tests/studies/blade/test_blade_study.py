@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from owtsweep import load
+import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.contract import Scheme, Unable
@@ -38,8 +38,7 @@ def test_the_study_keeps_the_contract() -> None:
 
 def test_a_sweep_says_who_is_best_and_who_waits() -> None:
     words = ["tuning=[paper,matched]", "schemes=[HOLD,MEKF,PENDULUM,SMOOTHER]", "name=two"]
-    assert main(["sweep", *TINY, *words]) == 0
-    result = load("results/two")
+    result = owtsweep.run([*TINY, *words])
     tables = result.tables()
     assert set(tables["summary"]["scheme"]) == {"HOLD", "MEKF", "PENDULUM", "SMOOTHER"}
     best = tables["best_scheme"]
@@ -61,8 +60,7 @@ def test_a_sweep_says_who_is_best_and_who_waits() -> None:
 def test_the_rows_of_a_run_judge_nothing_of_the_paper(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert main(["sweep", *TINY, "name=one", "grid.replicates=1", "schemes=[HOLD]"]) == 0
-    capsys.readouterr()
+    owtsweep.run([*TINY, "name=one", "grid.replicates=1", "schemes=[HOLD]"])
     assert main(["fidelity", "results/one"]) == 2
     told = capsys.readouterr().err
     assert "study 'blade'" in told
