@@ -137,6 +137,7 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with two runs of one cell, early and late."""
     folder = tmp_path_factory.mktemp("pair")
     cell = ["grid.sigma=[0.01]", "grid.outage=[0]", "schemes=[MEKF_HEADING,HOLD]"]
+    cell += ["record.duration=30", "record.settling=10"]
     for seed, name in enumerate(("early", "late")):
         owtsweep.run([*QUICK, *cell, f"seed={seed}", f"results={folder}", f"name={name}"])
     return folder

@@ -25,21 +25,27 @@ MONOPILE = ["study=tower", "structure=oc3_monopile", *SHORT]
 HEIGHTS = (10.0, 25.0, 40.0, 60.0, 90.0, 107.0)
 
 
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
 def place(*words: str) -> int:
     return main(["place", *MONOPILE, *words])
 
 
-def read(folder: Path) -> pd.DataFrame:
-    (path,) = folder.glob("place-*/place.csv")
+def read() -> pd.DataFrame:
+    (path,) = Path("results").glob("place-*/place.csv")
     return pd.read_csv(path)
 
 
 @pytest.mark.parametrize(("quantity", "unit"), [("stress", "MPa"), ("base_moment", "MN m")])
-def test_it_says_how_many_and_where(quantity, unit, tmp_path, capsys):
+def test_it_says_how_many_and_where(quantity, unit, capsys):
     words = ["--heights", ",".join(map(str, HEIGHTS)), "--quantity", quantity, "--count", "5"]
-    assert place(*words, f"results={tmp_path}") == DONE
-    told, table = capsys.readouterr().out, read(tmp_path)
-    assert {path.name for path in tmp_path.glob("place-*/*")} == {"place.csv", "configuration.yaml"}
+    assert place(*words) == DONE
+    told, table = capsys.readouterr().out, read()
+    written = {path.name for path in Path("results").glob("place-*/*")}
+    assert written == {"place.csv", "configuration.yaml"}
     assert list(table["inclinometers"]) == [3, 4, 5]
     assert "one more lowers the standard deviation of the error of" in " ".join(told.split())
     assert f"σ ({unit})" in told
@@ -47,7 +53,7 @@ def test_it_says_how_many_and_where(quantity, unit, tmp_path, capsys):
     assert "Noise: 1 % of each signal's standard deviation" in told
     assert "Tuning paper" in told
     assert "It is no record" in told
-    (stored,) = tmp_path.glob("place-*/configuration.yaml")
+    (stored,) = Path("results").glob("place-*/configuration.yaml")
     sensors = yaml.safe_load(stored.read_text())["sensors"]
     assert (len(sensors["accelerometers"]), sensors["every_node"]) == (5, [])
 
@@ -74,15 +80,15 @@ def test_it_says_how_many_and_where(quantity, unit, tmp_path, capsys):
         best = added
 
 
-def test_sensors_that_the_user_names_are_there_already(tmp_path, capsys):
+def test_sensors_that_the_user_names_are_there_already(capsys):
     named = ["sensors.inclinometers=[30]", "sensors.accelerometers=[30,107.6]"]
-    words = ["--heights", "10,50,80,107", "--count", "3", f"results={tmp_path}"]
+    words = ["--heights", "10,50,80,107", "--count", "3"]
     assert place(*named, *words) == DONE
     told = capsys.readouterr().out
     assert "There already: inclinometers at 30 m; accelerometers at 30, 107.6 m." in told
     assert "a sweep on records needs the end of a tube at each" in " ".join(told.split())
     assert " more inclinometers are" in told
-    assert list(read(tmp_path)["inclinometers"]) == [2, 3]
+    assert list(read()["inclinometers"]) == [2, 3]
     assert place(*named, "--heights", "10,30,80") == BAD_INPUT
     assert "an inclinometer is there already 30 m above the ground" in capsys.readouterr().err
 
@@ -101,21 +107,21 @@ def test_nothing_is_written_if_it_is_stopped_or_cannot_write(tmp_path, capsys, m
     assert not (tmp_path / "r").exists()
 
 
-def test_heights_that_are_all_needed_are_not_called_enough(tmp_path, capsys):
-    words = ["--heights", "20,60,107", "--quantity", "base_moment", f"results={tmp_path}"]
+def test_heights_that_are_all_needed_are_not_called_enough(capsys):
+    words = ["--heights", "20,60,107", "--quantity", "base_moment"]
     assert place(*words) == DONE
     told = capsys.readouterr().out
     assert told.startswith("Three inclinometers are needed, at 20, 60, 107 m; no height is left")
-    assert read(tmp_path)["next_height"].isna().all()
+    assert read()["next_height"].isna().all()
 
 
-def test_waves_are_one_load_more(tmp_path, capsys):
-    words = ["sea=waves", "--heights", "10,25,40,60,107", f"results={tmp_path}"]
+def test_waves_are_one_load_more(capsys):
+    words = ["sea=waves", "--heights", "10,25,40,60,107"]
     assert place(*words, "--count", "3") == BAD_INPUT
     assert "no 3 of the candidate heights let the filter see all loads" in capsys.readouterr().err
     assert place(*words) == DONE
     assert "AKF_WAVE" in capsys.readouterr().out
-    assert list(read(tmp_path)["inclinometers"]) == [4, 5]
+    assert list(read()["inclinometers"]) == [4, 5]
 
 
 @pytest.mark.parametrize(
@@ -155,12 +161,12 @@ def test_waves_are_one_load_more(tmp_path, capsys):
         ([*MONOPILE, "wind.thurst.mean=1"], "wind.thurst"),
     ],
 )
-def test_bad_input_is_one_line(words, reason, tmp_path, capsys):
-    assert main(["place", *words, f"results={tmp_path / 'r'}"]) == BAD_INPUT
+def test_bad_input_is_one_line(words, reason, capsys):
+    assert main(["place", *words]) == BAD_INPUT
     out, err = capsys.readouterr()
     assert (out, len(err.splitlines())) == ("", 1)
     assert reason in err
-    assert not (tmp_path / "r").exists()
+    assert not Path("results").exists()
 
 
 def test_divided_tubes_are_the_same_structure():
