@@ -171,9 +171,9 @@ def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
         )
     if config_dir is None:
         return []
-    from owtsweep.config.given_files import search_path_of
+    from owtsweep.config.given_files import address_of
 
-    return [search_path_of(_find_folder(config_dir))]
+    return [f"hydra.searchpath=[{quoted(address_of(_find_folder(config_dir)))}]"]
 
 
 def _compose(tree: Tree, words: Sequence[str]) -> tuple[Plain, Plain]:

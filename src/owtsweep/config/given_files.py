@@ -13,7 +13,6 @@ from hydra._internal.core_plugins.file_config_source import FileConfigSource
 from hydra._internal.sources_registry import SourcesRegistry
 from hydra.plugins.config_source import ConfigResult
 
-from owtsweep.config.composition import quoted
 from owtsweep.config.stored import MOST_BYTES, check_events, naming
 from owtsweep.io.reading import read_text
 
@@ -41,7 +40,7 @@ class CheckedFiles(FileConfigSource):
         return super().load_config(config_path)
 
 
-def search_path_of(directory: Path) -> str:
-    """Return the override by which Hydra finds groups in this folder too, and checks its files."""
+def address_of(directory: Path) -> str:
+    """Return the address by which Hydra finds groups in this folder too, and checks its files."""
     SourcesRegistry.instance().register(CheckedFiles)  # does nothing the second time
-    return f"hydra.searchpath=[{quoted(f'{CheckedFiles.scheme()}://{directory}')}]"
+    return f"{CheckedFiles.scheme()}://{directory}"
