@@ -138,7 +138,7 @@ def find_amplitude(config: HubConfig, cell: Mapping[str, Value]) -> float | None
 def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
     """List the maps of a run: end of the map's name -> values of the conditions off its axes.
 
-    The first one's name has no end. A condition with a single value is not in the name.
+    The end is empty for the first map, and names no condition that has a single value.
     """
     world = find_world(config)
     grid, further = world.get_grid(config), world.find_axes(config)[2:]
