@@ -9,7 +9,7 @@ from scipy import stats
 from experiments.single_record import judge, place_print, read_rounded, show_chance
 
 
-@pytest.mark.parametrize("n", [2, 5, 100])
+@pytest.mark.parametrize("n", [2, 5, 20, 100])
 def test_a_print_of_the_same_kind_disagrees_in_one_of_twenty(n: int) -> None:
     """Whatever the number of records is; also of errors as skewed as a mean of few squares."""
     draw = np.random.default_rng(n)
@@ -19,7 +19,7 @@ def test_a_print_of_the_same_kind_disagrees_in_one_of_twenty(n: int) -> None:
         assert np.mean(chances < level) == pytest.approx(
             level, abs=4 * np.sqrt(level * (1 - level) / 8000)
         )
-    squares = draw.chisquare(12, (2000, n + 1)) / 12
+    squares = draw.chisquare(12, (8000, n + 1)) / 12
     no = np.mean([place_print(one[0], one[0], one[1:]).agrees == "no" for one in squares])
     assert 0.03 < no < 0.08
 

@@ -59,8 +59,8 @@ def configured(results, grid, schemes, workers=1):
     )
 
 
-@settings(max_examples=7, deadline=None, derandomize=True, database=None)
-@given(st.lists(SWEEPS, min_size=2, max_size=3), GRIDS, SCHEMES)
+@settings(max_examples=10, deadline=None, derandomize=True, database=None)
+@given(st.lists(SWEEPS, min_size=1, max_size=3), GRIDS, SCHEMES)
 def test_stopped_and_grown_runs_end_as_runs_from_scratch(lives, grid, schemes):
     study = get_study("hub")
     with tempfile.TemporaryDirectory() as folder, patch("os.fsync"):
