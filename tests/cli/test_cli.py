@@ -150,7 +150,7 @@ def test_list_names_everything_there_is(capsys):
 
 
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize("place", [0, 5])
+@pytest.mark.parametrize("place", [0, 2, 5])
 def test_multirun_works_anywhere_in_the_line(place, capsys):
     words = ["schemes=[MKF]", "sensors.gnss.delay=0.4,0.1", *SMALL[:2], "record.duration=30"]
     words.append("tuning=paper")
