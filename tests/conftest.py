@@ -5,10 +5,14 @@ from __future__ import annotations
 import io
 import pickle
 from collections.abc import Iterator, Sequence
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Override
+from omegaconf import OmegaConf
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -41,28 +45,60 @@ def _yaml_is_parsed_once() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _equal_words_are_composed_once() -> Iterator[None]:
-    """Compose each list of overrides once per process: a composition takes a tenth of a second.
+def _files_are_joined_once() -> Iterator[None]:
+    """Let Hydra join each choice of files once per process, and set values of keys as it does.
 
-    The user's own files are composed each time: of a folder that Hydra searches the content may
-    change, and an option that is a file has a new name each time.
+    Composing takes a tenth of a second, nearly all of it for joining files. Words that do more than
+    set values, or are refused, are left to Hydra as a whole. tests/config/test_composing.py looks
+    whether the result is Hydra's own.
     """
     from owtsweep.config import composition
 
-    composed: dict[tuple[object, ...], bytes] = {}
-    compose = composition._compose
+    joined: dict[tuple[object, ...], bytes] = {}
+    compose = composition.compose_hydra
 
-    def remembering(tree: Any, words: Sequence[str]) -> Any:
-        if any(word.startswith("hydra.") for word in words):
-            return compose(tree, words)
-        key = (tree.folder, tree.primary, *words)
-        if key not in composed:
-            composed[key] = pickle.dumps(compose(tree, words))
-        return pickle.loads(composed[key])
+    @wraps(compose)
+    def remembering(tree: Any, words: Sequence[str], *, settings: bool = False) -> Any:
+        groups = tree.groups()
+        values = [word for word in words if composition.get_key(word) not in groups]
+        choices = [word for word in words if word not in values]
+        overrides = _parse_values(values)
+        if overrides is None or any("={" in word for word in choices):
+            return compose(tree, words, settings=settings)
+        key = (tree.folder, tree.primary, settings, *choices)
+        if key not in joined:
+            joined[key] = pickle.dumps(compose(tree, choices, settings=settings))
+        config = pickle.loads(joined[key])
+        try:
+            for override in overrides:
+                OmegaConf.update(
+                    config,
+                    override.key_or_group,
+                    override.value(),
+                    force_add=override.is_force_add(),
+                )
+        except Exception:
+            return compose(tree, words, settings=settings)
+        return config
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(composition, "_compose", remembering)
+        patch.setattr(composition, "compose_hydra", remembering)
         yield
+
+
+def _parse_values(words: Sequence[str]) -> list[Override] | None:
+    """Return what words set, read by Hydra's parser; None if one of them does something else."""
+    if any(word.startswith(("hydra", "+hydra", "~")) for word in words):
+        return None
+    try:
+        overrides = OverridesParser.create().parse_overrides(overrides=list(words))
+    except Exception:
+        return None
+    plain = all(
+        not (each.is_add() or each.is_delete() or each.is_sweep_override()) and each.package is None
+        for each in overrides
+    )
+    return overrides if plain else None
 
 
 @pytest.fixture(scope="session")
