@@ -121,14 +121,11 @@ def git_state(package: Path) -> dict[str, str | bool] | None:
     not `src/<package>` below the root of a git repository. So a repository that only contains an
     environment with the installed package does not count.
     """
-    root = _git(package, "rev-parse", "--show-toplevel")
-    if not root or Path(root.strip()).resolve() / "src" / package.name != package:
+    root, _, commit = (_git(package, "rev-parse", "--show-toplevel", "HEAD") or "").partition("\n")
+    if not commit or Path(root).resolve() / "src" / package.name != package:
         return None
-    commit = _git(package, "rev-parse", "--verify", "HEAD")
-    changes = _git(Path(root.strip()), "status", "--porcelain", "--", "src", "conf")
-    if not commit or changes is None:
-        return None
-    return {"commit": commit.strip(), "dirty": changes != ""}
+    changes = _git(Path(root), "status", "--porcelain", "--", "src", "conf")
+    return None if changes is None else {"commit": commit.strip(), "dirty": changes != ""}
 
 
 @cache
