@@ -24,6 +24,7 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
+from itertools import takewhile
 from pathlib import Path
 from types import CodeType, FrameType
 
@@ -34,6 +35,8 @@ PACKAGE = Path(owtsweep.__file__).resolve().parent
 OURS = f"{PACKAGE}{os.sep}"
 #: Rooms from configuration to score.
 ROOMS = ("studies", "estimation", "motion", "sensing")
+#: The first file that takes scores: what is first called after it is not on the way.
+AFTER = "sweep/gather.py"
 CASE = (
     "schemes=[HME1]", "baselines=[]", "tuning=paper", "grid.natural_period=[4.0]",
     "grid.amplitude=[1.0]", "grid.replicates=1", "record.duration=60", "compute=single",
@@ -93,7 +96,7 @@ def run_case(overrides: Sequence[str] = ()) -> None:
 
 def count(files: Sequence[str]) -> str:
     """Say how many files are on the way from configuration to score, and how many in all."""
-    on_the_way = sum(file.split("/")[0] in ROOMS for file in files)
+    on_the_way = sum(file.split("/")[0] in ROOMS for file in takewhile(AFTER.__ne__, files))
     return f"from configuration to score {on_the_way}, in all {len(files)}"
 
 
