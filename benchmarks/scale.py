@@ -132,8 +132,7 @@ def made_up_rows(content: Any, random: np.random.Generator) -> Any:
     """Make the rows of a superposed block of the hub study, with random products."""
     import pandas as pd
 
-    from owtsweep.studies.hub.conditions import MEASURES
-    from owtsweep.studies.hub.measures import WINDOWS
+    from owtsweep.studies.hub.measures import MEASURES, WINDOWS
 
     replicates = range(*content["replicates"])
     each = len(MEASURES) * len(WINDOWS)

@@ -31,9 +31,9 @@ from owtsweep.errors import InputError
 from owtsweep.figures.drawings import draw_each, save_figure
 from owtsweep.io.tables import write_table
 from owtsweep.io.terminal import show_steps, tell_step
-from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_in_a_line
+from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims

@@ -33,7 +33,6 @@ from owtsweep.figures.margin import add_legend, list_shades
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary, subtract_schemes
-from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
     describe_origin,
@@ -43,6 +42,7 @@ from owtsweep.studies.hub.describe import (
 )
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.listed import scheme_names
+from owtsweep.studies.hub.measures import CRITERIA
 from owtsweep.studies.hub.world import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run
 

@@ -11,7 +11,7 @@ import pandas as pd
 from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub.conditions import CRITERIA, MEASURES
+from owtsweep.studies.hub.measures import CRITERIA, MEASURES
 from owtsweep.studies.hub.world import CONDITIONS
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")

@@ -25,7 +25,7 @@ from scipy import stats
 from owtsweep.errors import InputError
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub.conditions import MEASURES
+from owtsweep.studies.hub.measures import MEASURES
 from owtsweep.studies.hub.world import CONDITIONS
 
 # the columns of summary.csv and best_scheme.csv, which others' scripts rely on

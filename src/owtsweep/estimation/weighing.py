@@ -8,6 +8,7 @@ not arrived.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,10 @@ class Weighing(NamedTuple):
     limit: float
     fades: bool
     patience: int
+
+
+#: All measurements count alike.
+ALIKE = Weighing(math.inf, False, 0)
 
 
 class WeighedState(NamedTuple):

@@ -30,11 +30,11 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies import compose
-from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
+from owtsweep.studies.hub.measures import CRITERIA
 from owtsweep.studies.hub.world import CONDITIONS
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]

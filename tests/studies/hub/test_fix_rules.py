@@ -13,14 +13,14 @@ from scipy.stats import chi2
 from tools import Array, assert_same, configure, measured
 
 from owtsweep.errors import InputError
-from owtsweep.estimation.weighing import Weighing, weigh
+from owtsweep.estimation.weighing import ALIKE, Weighing, weigh
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.listed import resolve, under
+from owtsweep.studies.hub.models import make_fix_rule
 from owtsweep.studies.hub.schemes.hme2 import SCHEME as HME2
 from owtsweep.studies.hub.sensors import Measured, Sensors, sensors
 
@@ -138,7 +138,7 @@ def test_the_window_minimises_hubers_cost() -> None:
         "effects": effects, "past": None,
     }  # fmt: skip
     found = window.solve(mhe, known, **given)
-    least = window.solve(replace(mhe, fix_rule=PLAIN), known, **given)
+    least = window.solve(replace(mhe, fix_rule=ALIKE), known, **given)
     U = np.kron(whitener(mhe.weights.link_covariance), np.eye(2))
     A = np.kron(mhe.weights.transition, np.eye(2))
 

@@ -11,7 +11,7 @@ from tools import plan_blocks, run_blocks
 
 from owtsweep.studies import compose
 from owtsweep.studies.hub import records
-from owtsweep.studies.hub.conditions import WORLDS
+from owtsweep.studies.hub.worlds import WORLDS
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

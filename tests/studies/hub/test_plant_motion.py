@@ -21,7 +21,6 @@ from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub.conditions import find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
@@ -29,6 +28,7 @@ from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.studies.hub.study import HubStudy
+from owtsweep.studies.hub.worlds import find_world, list_maps
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep

@@ -10,6 +10,7 @@ import pytest
 from tools import Streaming, assert_same, configure, measured
 
 from owtsweep.config import changed
+from owtsweep.estimation.weighing import ALIKE
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.candidates import Candidate
 from owtsweep.motion.tracking import SpectrumTracker
@@ -17,8 +18,8 @@ from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker, find_level
-from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.listed import resolve, under
+from owtsweep.studies.hub.models import make_fix_rule
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
@@ -79,7 +80,7 @@ def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(1)
     force, fixes = rng.standard_normal(900), np.full(900, np.nan)
     fixes[:: sensors.fix_interval] = rng.standard_normal(900 // sensors.fix_interval)
-    compiled, kalman = (make(axis, PLAIN, 0.03) for make in (CompiledAxisFilter, KalmanAxisFilter))
+    compiled, kalman = (make(axis, ALIKE, 0.03) for make in (CompiledAxisFilter, KalmanAxisFilter))
     for first, stop in ((0, 90), (90, 500), (500, 900)):
         mine = compiled.take(force[first:stop], fixes[first:stop])
         other = kalman.take(force[first:stop], fixes[first:stop])
@@ -328,7 +329,7 @@ def test_the_guard_gives_up_a_model_that_fixes_contradict() -> None:
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
     rng = np.random.default_rng(2)
-    tracking = TrackingFilter(config.skf, sensors, BAND, PLAIN, CompiledAxisFilter)
+    tracking = TrackingFilter(config.skf, sensors, BAND, ALIKE, CompiledAxisFilter)
     steps, M = 2400, sensors.fix_interval
     calm = 0.15 * rng.standard_normal(steps)  # an IMU that feels no motion
     still, swinging = np.full((2, steps), np.nan)
@@ -347,7 +348,7 @@ def test_a_calm_hub_that_is_struck_is_followed_at_once() -> None:
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
     rng = np.random.default_rng(5)
-    tracking = TrackingFilter(config.skf, sensors, BAND, PLAIN, CompiledAxisFilter)
+    tracking = TrackingFilter(config.skf, sensors, BAND, ALIKE, CompiledAxisFilter)
     steps, M = 1200, sensors.fix_interval
     force, fixes = 0.15 * rng.standard_normal(steps), np.full(steps, np.nan)
     fixes[::M] = 0.03 * rng.standard_normal(steps // M)

@@ -61,7 +61,9 @@ class PlanPart(NamedTuple):
 
 
 def find_worlds(declaration: AnyDeclaration, config: AnyConfig) -> dict[str, World]:
-    """Return name -> world of a configuration, the nominal one first."""
+    """Return name -> world of a configuration, the nominal one first, or alone without `over`."""
+    if config.over is None:
+        return {NOMINAL: World(config)}
     return make_worlds(declaration.axes, declaration.list_untold(config), config)
 
 

@@ -70,14 +70,11 @@ class World(NamedTuple):
 
 
 def make_worlds(axes: Axes[Any], untold: Untold, config: AnyConfig) -> dict[str, World]:
-    """Return name -> world, the nominal one first; it is the only one without the key `over`.
+    """Return name -> world of a configuration with the key `over`, the nominal one first.
 
     Raise `InputError` if a world is not known, a key is on the map or not of the truth alone, or a
     value is wrong.
     """
-    worlds = {NOMINAL: World(config)}
-    if config.over is None:
-        return worlds
     axis, values = find_axis(config.over)
     if axis == WORLD:
         departures = {str(name): _find(untold, str(name)) for name in values if name != NOMINAL}
@@ -88,7 +85,8 @@ def make_worlds(axes: Axes[Any], untold: Untold, config: AnyConfig) -> dict[str,
             name: Departure(f"{key} is {value}", {key: value})
             for name, value in zip(names, values, strict=True)
         }
-    return worlds | {name: _depart(axes, config, each) for name, each in departures.items()}
+    departed = {name: _depart(axes, config, each) for name, each in departures.items()}
+    return {NOMINAL: World(config), **departed}
 
 
 def check(

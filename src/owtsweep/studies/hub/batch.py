@@ -14,7 +14,6 @@ from owtsweep.results.status import FAILED
 from owtsweep.studies.base.rows import Judgement, Means
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.conditions import find_amplitude, find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.kernels.layout import (
@@ -30,6 +29,7 @@ from owtsweep.studies.hub.kernels.layout import (
 from owtsweep.studies.hub.measures import Sums
 from owtsweep.studies.hub.records import Feed, Records, Span
 from owtsweep.studies.hub.sensors import sensors as make_sensors
+from owtsweep.studies.hub.worlds import find_amplitude, find_world
 
 #: Number of steps that kernels process at once, a chunk: so few that their rows fit the
 #: second-level cache.

@@ -15,9 +15,8 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete, powers, prediction_noise
 from owtsweep.estimation.gains import GainSchedule, schedule, smoother_gains
-from owtsweep.estimation.weighing import Weighing
+from owtsweep.estimation.weighing import ALIKE, Weighing
 from owtsweep.estimation.windowing import FilterRows, covariances
-from owtsweep.studies.hub.fix_rules import PLAIN
 from owtsweep.studies.hub.horizon import Horizon, find_lean_terms
 from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
@@ -188,7 +187,7 @@ class Parts:
 
     axis: AxisFilter
     rule: str
-    fix_rule: Weighing = PLAIN
+    fix_rule: Weighing = ALIKE
     input_delay: int = 0
     window: int = 0
     predict: Discrete | None = None

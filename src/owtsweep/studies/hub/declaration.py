@@ -23,15 +23,14 @@ from owtsweep.studies.base.declaration import (
 )
 from owtsweep.studies.base.rows import Means
 from owtsweep.studies.hub.batch import know, run_batch, uses_kernels
-from owtsweep.studies.hub.conditions import WORLDS, find_amplitude, find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.listed import SCHEMES
 from owtsweep.studies.hub.measures import from_trajectories
 from owtsweep.studies.hub.records import Records, count_records_per_block, make_records_at
 from owtsweep.studies.hub.sensors import Measured, observe
-from owtsweep.studies.hub.untold import list_untold
 from owtsweep.studies.hub.world import World
+from owtsweep.studies.hub.worlds import WORLDS, find_amplitude, find_world, list_untold
 
 Cell = Mapping[str, Value]
 UNITS = {

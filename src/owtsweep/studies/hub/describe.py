@@ -20,10 +20,11 @@ from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.cube import Cube
 from owtsweep.results.regret import SUMMARY
 from owtsweep.results.verdicts import Asked, count_cells
-from owtsweep.studies.hub.conditions import CRITERIA, JUDGED, MEASURES, find_world, list_departing
 from owtsweep.studies.hub.config import HubConfig, SensorConfig
 from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
+from owtsweep.studies.hub.measures import CRITERIA, JUDGED, MEASURES
 from owtsweep.studies.hub.tuning_rules import take_facts
+from owtsweep.studies.hub.worlds import find_world, list_departing
 
 #: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}

@@ -25,7 +25,6 @@ from owtsweep.studies.base.contest import count_records
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes
-from owtsweep.studies.hub.conditions import JUDGED, criteria, find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
@@ -48,9 +47,11 @@ from owtsweep.studies.hub.listed import (
     resolve_all,
     scheme_names,
 )
+from owtsweep.studies.hub.measures import JUDGED, criteria
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
 from owtsweep.studies.hub.world import BOUNDARY, World
+from owtsweep.studies.hub.worlds import find_world, list_maps
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.study import Block, Engine, Look, Square
 

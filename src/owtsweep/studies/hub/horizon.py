@@ -10,8 +10,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, discretise
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.estimation.mhe import WindowWeights, window_maps
-from owtsweep.estimation.weighing import Weighing
-from owtsweep.studies.hub.fix_rules import PLAIN
+from owtsweep.estimation.weighing import ALIKE, Weighing
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, HorizonArrays, LeanTerms
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
 from owtsweep.studies.hub.scheme_sections import Mhe
@@ -54,7 +53,7 @@ class Horizon:
     initial_covariance: Array
     bounds: Array
     lean: float
-    fix_rule: Weighing = PLAIN
+    fix_rule: Weighing = ALIKE
 
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
         """Make the kernels' form of the MHE: one matrix per position fix, until matrices repeat.

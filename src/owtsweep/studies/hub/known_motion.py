@@ -19,9 +19,9 @@ from owtsweep.config import as_mapping
 from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.streams import stream
 from owtsweep.studies.hub.cache import cached
-from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import Sensors
+from owtsweep.studies.hub.worlds import require_spectrum
 
 #: Greatest distance of two frequencies, Hz, and the greatest as a share of the half-bandwidth.
 SPACING, SHARE_OF_PEAK = 2e-3, 0.125

@@ -11,13 +11,33 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.evaluation.measures import Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.base.rows import Means
+from owtsweep.studies.hub.config import HubConfig
 
 #: The measures that the kernels sum, in their order.
 SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
 #: Measures of the position error that need records run at their amplitude.
 EXTREMES = ("position_max", "position_p95")
 WINDOWS = ("full", "settled")
+#: The order of measures in tables.
+MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
+#: The measures that decide whether two schemes coincide.
+CRITERIA = ("position", "velocity")
+#: The measures by which schemes may be judged.
+JUDGED = {
+    "position": Criterion("position: rms error in the plane", "square", "m", *MILLIMETRE),
+    "velocity": Criterion(
+        "velocity: rms error in the plane", "square", "m/s", *MILLIMETRE_PER_SECOND
+    ),
+    "x": Criterion("position northwards: rms error", "square", "m", *MILLIMETRE),
+    "y": Criterion("position eastwards: rms error", "square", "m", *MILLIMETRE),
+}
+
+
+def criteria(config: HubConfig) -> tuple[str, ...]:
+    """Return the measures of best_scheme.csv: position, velocity and the run's criterion."""
+    return tuple(dict.fromkeys((*CRITERIA, config.measures.criterion)))
 
 
 class Sums(NamedTuple):

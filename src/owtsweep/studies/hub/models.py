@@ -1,4 +1,4 @@
-"""The two process models of Ren et al. (2019), section 3, for one axis and for two axes.
+"""The two process models of Ren et al. (2019), section 3, and filters made of them by a tuning.
 
 Noise covariances are equal in all directions and the yaw is known, so both models separate into two
 equal axes in NED. The models of one axis have the states p, v, a and b (position, velocity,
@@ -7,8 +7,9 @@ acceleration, and b = x4 of Eq. 6). The matrices of two axes are kron(axis, I_2)
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from math import prod
+from statistics import NormalDist
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.riccati import TwoRates
-from owtsweep.studies.hub.scheme_sections import FilterTuning, Variance
+from owtsweep.estimation.weighing import ALIKE, Weighing
+from owtsweep.studies.hub.scheme_sections import FilterTuning, FixTuning, Variance
 from owtsweep.studies.hub.sensors import Sensors
 
 POSITION = np.array([1.0, 0.0, 0.0, 0.0])
@@ -33,7 +35,7 @@ def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
         "sigma2_over_step": 1.0 / sensors.step,
         "sigma2_times_ratio": float(sensors.fix_interval),
     }[rule.rule]
-    return prod((sigma, sigma, factor, rule.scale))
+    return math.prod((sigma, sigma, factor, rule.scale))
 
 
 def sigma_1(q_a: float, q_b: float) -> Model:
@@ -122,6 +124,25 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
         force_variance=force_variance,
         initial_covariance=np.diag(tuning.p0),
     )
+
+
+def make_fix_rule(tuning: FixTuning, name: str | None = None, axes: int = 2) -> Weighing:
+    """Return how far a filter trusts a fix: always, only inside a gate, or less far out (Huber).
+
+    The limit of a gate is the quantile of the chi distribution, with a degree of freedom per axis,
+    at the key `gate_probability` (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+
+    name: the rule; None: the key `fix_rule`.
+    axes: number of axes of which a fix is judged at once, 1 or 2.
+    """
+    name = name or tuning.fix_rule
+    if name == "gate":
+        if axes == 1:
+            limit = NormalDist().inv_cdf(0.5 + 0.5 * tuning.gate_probability)
+        else:
+            limit = math.sqrt(-2.0 * math.log1p(-tuning.gate_probability))
+        return Weighing(limit, False, tuning.gate_patience)
+    return Weighing(tuning.huber_limit, True, 0) if name == "huber" else ALIKE
 
 
 def input_model(tuning: FilterTuning, sensors: Sensors, hold: str) -> Discrete:

@@ -9,15 +9,16 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub.conditions import JUDGED, find_world
 from owtsweep.studies.hub.config import Grid, HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
+from owtsweep.studies.hub.measures import JUDGED
 from owtsweep.studies.hub.sensors import ForceNoise, Sensors, fix_count, fix_noise, simulate_bias
 from owtsweep.studies.hub.sensors import sensors as make_sensors
 from owtsweep.studies.hub.study import ROOMS, HubKeys
 from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
+from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import backend

@@ -22,10 +22,10 @@ from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Value
 from owtsweep.streams import Streams, stream
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.sensors import Measured, Sensors, fix_count
+from owtsweep.studies.hub.worlds import find_world
 
 STUDY = "hub"
 #: Replicates of one block: 0-7, 8-15, ... They run side by side, in eight lanes.

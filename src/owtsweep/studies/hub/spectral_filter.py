@@ -19,13 +19,13 @@ from owtsweep.estimation.late import (
     transition,
 )
 from owtsweep.estimation.weighing import (
+    ALIKE,
     WeighedEstimates,
     WeighedState,
     Weighing,
     follow_weighing,
     weigh,
 )
-from owtsweep.studies.hub.fix_rules import PLAIN
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
 
 #: Greatest scaled difference of two covariances that count as one: it moves an estimate by a
@@ -77,7 +77,7 @@ class KalmanAxisFilter:
     bias: its first estimate, m/s^2.
     """
 
-    def __init__(self, axis: SpectralAxis, rule: Weighing = PLAIN, bias: float = 0.0) -> None:
+    def __init__(self, axis: SpectralAxis, rule: Weighing = ALIKE, bias: float = 0.0) -> None:
         from filterpy.kalman import KalmanFilter
 
         model = axis.model
@@ -126,7 +126,7 @@ class CompiledAxisFilter:
     on that does not, they follow from the fixes, until the covariance is that of the model again.
     """
 
-    def __init__(self, axis: SpectralAxis, rule: Weighing = PLAIN, bias: float = 0.0) -> None:
+    def __init__(self, axis: SpectralAxis, rule: Weighing = ALIKE, bias: float = 0.0) -> None:
         self._axis, self._rule, self._step = axis, rule, 0
         self._lanes = start_lanes(len(axis.first), 1)
         self._lanes.x["x"][len(axis.model.Q)] = bias

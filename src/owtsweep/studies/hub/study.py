@@ -11,10 +11,9 @@ from owtsweep.config import Plain
 from owtsweep.errors import require
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.studies.hub import kernels
-from owtsweep.studies.hub.conditions import find_world, list_departing, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
-from owtsweep.studies.hub.untold import list_untold
+from owtsweep.studies.hub.worlds import find_world, list_departing, list_untold, require_spectrum
 from owtsweep.sweep.study import Engine, Lever, Study, Tuned, Varied, add_versions, double, halve
 
 if TYPE_CHECKING:

@@ -23,10 +23,10 @@ from owtsweep.io.tables import write_table
 from owtsweep.motion.envelope import SHARE, compute_points, find_region, list_seas
 from owtsweep.streams import stream
 from owtsweep.structures import Structure
-from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import find_winners
 from owtsweep.studies.hub.figures import maps_by_tuning
+from owtsweep.studies.hub.worlds import require_spectrum
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.runs import Run
 

@@ -13,7 +13,6 @@ from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import Value, select
 from owtsweep.results.status import FAILED
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub.conditions import JUDGED, find_world, list_maps
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
     describe_origin,
@@ -24,6 +23,8 @@ from owtsweep.studies.hub.describe import (
     tell_window,
 )
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
+from owtsweep.studies.hub.measures import JUDGED
+from owtsweep.studies.hub.worlds import find_world, list_maps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from owtsweep.arrays import Array, make_rows
 from owtsweep.estimation.discretisation import prediction_noise
 from owtsweep.estimation.mhe import square_root_information
+from owtsweep.estimation.weighing import ALIKE
 from owtsweep.evaluation.trajectory import spread_to_both_axes
 from owtsweep.studies.hub.chain import Parts, predictor_arrays
 from owtsweep.studies.hub.contract import ZERO
-from owtsweep.studies.hub.fix_rules import PLAIN
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, STATE
 from owtsweep.studies.hub.kernels.online_layout import (
@@ -79,7 +79,7 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
         none = np.zeros((1, 2, 3))
         return HorizonSettings(
             False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free, none, NO_LEAN,
-            PLAIN,
+            ALIKE,
         )  # fmt: skip
     return HorizonSettings(
         active=True,

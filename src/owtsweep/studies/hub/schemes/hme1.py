@@ -14,14 +14,14 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import predict, prediction_noise
 from owtsweep.estimation.gains import FixedLagSmoother
+from owtsweep.estimation.weighing import ALIKE
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Parts
 from owtsweep.studies.hub.checks import check_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Known
-from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon
-from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model
+from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, make_fix_rule
 from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
@@ -41,7 +41,7 @@ class HME1Estimator:
         assert parts.predict is not None
         self.parts, self.sensors, self.input_model = parts, sensors, parts.predict
         self.gains = scheme.find_gains(known)
-        self.on_schedule = parts.fix_rule == PLAIN
+        self.on_schedule = parts.fix_rule == ALIKE
         self.filter = MultirateKalmanFilter(parts, sensors.rotation)
         self.smoother = FixedLagSmoother(self.filter.kf.F, parts.window)
         self.count = 0
@@ -150,7 +150,7 @@ class HME1(FilterScheme):
             axis_filter(of_filter, sensors),
             of_filter.update_rule,
             # an MHE weighs the fixes itself; the filter then takes its positions as they are
-            make_fix_rule(of_filter) if horizon is None else PLAIN,
+            make_fix_rule(of_filter) if horizon is None else ALIKE,
             sensors.delay,
             self.choose_window(tuning),
             input_model(of_filter, sensors, tuning.hme.predictor.hold),

@@ -17,9 +17,8 @@ from owtsweep.studies.hub import window
 from owtsweep.studies.hub.checks import check_mhe
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme, run_stepwise
-from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
-from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2
+from owtsweep.studies.hub.models import SIGMA_2_STATES, make_fix_rule, sigma_2
 from owtsweep.studies.hub.online.coordinates import check_grid
 from owtsweep.studies.hub.schemes.hme1 import HME1, HME1Estimator
 from owtsweep.studies.hub.schemes.multirate import FilterStep

@@ -18,8 +18,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Parts
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.fix_rules import make_fix_rule
-from owtsweep.studies.hub.models import axis_filter
+from owtsweep.studies.hub.models import axis_filter, make_fix_rule
 from owtsweep.studies.hub.schemes.chained import FilterScheme
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors

@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Literal
 from numpy.typing import ArrayLike
 
 from owtsweep.errors import InputError, require
-from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme
-from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
+from owtsweep.studies.hub.models import make_fix_rule
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.spectral_model import make_axes
+from owtsweep.studies.hub.worlds import require_spectrum
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.spectral_batch import SpectralKernel

@@ -13,7 +13,7 @@ from functools import partial
 from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.fix_rules import make_fix_rule
+from owtsweep.studies.hub.models import make_fix_rule
 from owtsweep.studies.hub.schemes.skf import FilterPerAxis, MakeFilter
 from owtsweep.studies.hub.spectral_filter import AxisFilter
 from owtsweep.studies.hub.tracking_filter import TrackingFilter

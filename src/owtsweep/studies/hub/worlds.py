@@ -1,4 +1,4 @@
-"""The worlds of the hub study, the conditions that a configuration sweeps over, and its maps.
+"""The worlds of the hub study: which one a configuration chooses, and how truth may depart from it.
 
 The world motion=spectrum makes its motion from the spectrum of Eq. (1) of Ren et al. (2019), or as
 the structure of `plant` moves in one sea.
@@ -7,32 +7,60 @@ the structure of `plant` moves in one sea.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from itertools import product
 from operator import attrgetter
 
-from owtsweep.config import Plain, as_mapping
+from owtsweep.config import Plain, as_mapping, conf_directory
+from owtsweep.config.stored import read
 from owtsweep.errors import require
 from owtsweep.motion.departing import ModulatedSource, Modulation, PacedSource, PeakSum
 from owtsweep.motion.source import Source
 from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Value
-from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
+from owtsweep.studies.base.worlds import Departure, Untold
 from owtsweep.studies.hub.config import STRUCTURE, HubConfig, MotionConfig
 from owtsweep.studies.hub.plant import ONE_SEA, PLANT, check_one_sea, stretch_sea
 from owtsweep.studies.hub.world import CONDITIONS, World
 
-#: The order of measures in tables.
-MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
-#: The measures that decide whether two schemes coincide.
-CRITERIA = ("position", "velocity")
-#: The measures by which schemes may be judged.
-JUDGED = {
-    "position": Criterion("position: rms error in the plane", "square", "m", *MILLIMETRE),
-    "velocity": Criterion(
-        "velocity: rms error in the plane", "square", "m/s", *MILLIMETRE_PER_SECOND
+#: Keys of the sensors that change what is measured, while schemes are told the configuration's.
+#: Not yaw, gravity and rates: records come to kernels in the frame and at the steps that are told.
+OF_SENSORS = (
+    "sensors.gnss.sigma", "sensors.gnss.delay", "sensors.gnss.scale", "sensors.gnss.outliers",
+    "sensors.gnss.loss", "sensors.gnss.correlation", "sensors.imu.sigma",
+    "sensors.imu.bias_initial", "sensors.imu.bias_walk", "sensors.imu.tilt",
+    "sensors.imu.high_pass",
+)  # fmt: skip
+#: Keys of the motion, by the value of `motion.kind`.
+OF_MOTION = {
+    "spectrum": ("spectrum.bandwidth", "motion.peaks", "motion.pace", "motion.envelope"),
+    "plant": ("motion.gamma", "motion.modes", "motion.damping"),
+}
+#: Slope of the first mode's shape at the hub of the structure ren2019, rad/m.
+LEAN = 0.0137
+SENSOR_DEPARTURES = {
+    "leaning_out": Departure(
+        f"the IMU leans the way that it moves, by {LEAN} rad/m", {"sensors.imu.tilt": LEAN}
     ),
-    "x": Criterion("position northwards: rms error", "square", "m", *MILLIMETRE),
-    "y": Criterion("position eastwards: rms error", "square", "m", *MILLIMETRE),
+    "leaning_back": Departure(
+        f"the IMU leans against the way that it moves, by {LEAN} rad/m", {"sensors.imu.tilt": -LEAN}
+    ),
+    "red_fixes": Departure(
+        "red noise of the fixes, .1 m with a time constant of 300 s",
+        {"sensors.gnss.correlation.sigma": 0.1, "sensors.gnss.correlation.time": 300.0},
+    ),
+    "outliers_1": Departure(
+        "1 % of the fixes are outliers of 10 standard deviations",
+        {"sensors.gnss.outliers.rate": 0.01},
+    ),
+    "outliers_5": Departure(
+        "5 % of the fixes are outliers of 10 standard deviations",
+        {"sensors.gnss.outliers.rate": 0.05},
+    ),
+    "multipath": Departure(
+        "5 % of the fixes are outliers, in bursts of 5 with one offset",
+        {"sensors.gnss.outliers.rate": 0.05, "sensors.gnss.outliers.length": 5},
+    ),
 }
 #: Least `Spectrum.peak_margin`, Hz: below it rounding makes the peak infinite.
 LEAST_MARGIN = 1e-12
@@ -135,6 +163,14 @@ def find_amplitude(config: HubConfig, cell: Mapping[str, Value]) -> float | None
     return None if amplitude is None else float(amplitude)
 
 
+def list_untold(config: HubConfig) -> Untold:
+    """Return what schemes are not told of truth and measurements."""
+    departures = dict(SENSOR_DEPARTURES)
+    if config.motion.kind == "spectrum":
+        departures |= _list_motions(config.record.duration)
+    return Untold((*OF_SENSORS, *OF_MOTION[config.motion.kind]), departures)
+
+
 def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
     """List the maps of a run: end of the map's name -> values of the conditions off its axes.
 
@@ -148,11 +184,6 @@ def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
         varied = [f"_{name}_{value}" for name, value in at.items() if len(grid[name]) > 1]
         maps["".join(varied) if maps else ""] = at
     return maps
-
-
-def criteria(config: HubConfig) -> tuple[str, ...]:
-    """Return the measures of best_scheme.csv: position, velocity and the run's criterion."""
-    return tuple(dict.fromkeys((*CRITERIA, config.measures.criterion)))
 
 
 def _refuse_keys_of_plant(config: HubConfig) -> None:
@@ -219,3 +250,28 @@ def _check_spectrum(config: HubConfig) -> None:
             f"grid.natural_period: {period:g} s has its peak at {peak:.3g} Hz, outside band "
             f"[{config.band[0]:g}, {config.band[1]:g}] Hz; widen band, or choose another period",
         )
+
+
+def _list_motions(duration: float) -> dict[str, Departure]:
+    middle = 0.5 * duration
+    ends = [max(middle - 150.0, 0.0), min(middle + 150.0, duration)]
+    return {
+        "two_peaks": Departure(
+            "peaks at .1 and .26 Hz share the variance, in place of the natural period's",
+            {"motion.peaks": [0.1, 0.26]},
+        ),
+        "plant_seas": Departure(
+            "the structure ren2019 in a sea of hs 2 m and tp 8 s, its time stretched until its "
+            "first mode has the cell's natural period, with the cell's amplitude",
+            {"structure": _read_structure(), "motion.hs": [2.0], "motion.tp": [8.0]},
+        ),
+        "drifting_period": Departure(
+            "the period falls by 10 % in 300 s in the middle of a record",
+            {"motion.pace": [[ends[0], 1.0], [ends[1], 1.0 / 0.9]]},
+        ),
+    }
+
+
+@cache
+def _read_structure() -> Plain:
+    return read(conf_directory() / "structure" / "ren2019.yaml")
