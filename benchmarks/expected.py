@@ -29,11 +29,11 @@ from scipy.stats import t as student
 import owtsweep
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds, timed
+from owtsweep.io import cache
 from owtsweep.results.cube import Cube
 from owtsweep.studies import compose
-from owtsweep.studies.hub import cache
 from owtsweep.studies.hub.expected import answers, engine
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 KEYS = ["scheme", "natural_period", "amplitude", "measure", "window"]
 FINE = 200

@@ -141,8 +141,7 @@ class Job:
     def __init__(
         self, scheme: str, threads: int, series: int, steps: int, tuning: str, different: int = 0
     ) -> None:
-        from owtsweep.studies.hub.batch import chunk_of
-        from owtsweep.studies.hub.kernels.layout import new_memory, new_sums
+        from owtsweep.studies.hub.batch import chunk_of, new_memory, new_sums
 
         self.chain, fed, self.arrays = prepared(scheme, different or series, steps, tuning)
         self.threads, self.series, self.steps = threads, series, steps

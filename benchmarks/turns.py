@@ -20,10 +20,10 @@ from typing import Any
 
 from benchmarks import STUDY
 from benchmarks.timing import Time, timed
+from owtsweep.io.cache import Kept
 from owtsweep.process import keep_freed_memory
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import DeclaredBlocks
-from owtsweep.studies.hub.cache import Kept
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.schemes import chained
 from owtsweep.sweep.run import sweep

@@ -25,7 +25,7 @@ from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_in_a_line
 from owtsweep.studies.hub.listed import scheme_names
-from owtsweep.studies.hub.world import BOUNDARY, CONDITIONS
+from owtsweep.studies.hub.worlds import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run
 
 SEA = ("structure=ren2019", "motion.hs=[2]")

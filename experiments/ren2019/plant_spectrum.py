@@ -23,8 +23,8 @@ from owtsweep.motion.spectra import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
 from owtsweep.studies import compose
-from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import STUDY
+from owtsweep.studies.hub.worlds import PLANT
 
 #: The band around the resonance, relative to the first natural frequency.
 AROUND = 0.8, 1.25

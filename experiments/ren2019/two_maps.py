@@ -43,7 +43,7 @@ from owtsweep.studies.hub.describe import (
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.measures import CRITERIA
-from owtsweep.studies.hub.world import BOUNDARY, CONDITIONS
+from owtsweep.studies.hub.worlds import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run
 
 LOWER, UPPER = BOUNDARY

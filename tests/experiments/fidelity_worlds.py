@@ -12,7 +12,7 @@ import pandas as pd
 from experiments.ren2019 import reasons
 from experiments.ren2019.evidence import AMPLITUDES, PERIODS, SCHEMES, Evidence
 from experiments.ren2019.published import published_numbers
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 from owtsweep.verdicts.score_table import ScoreTable
 
 REPLICATES = 6

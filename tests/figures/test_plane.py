@@ -9,7 +9,7 @@ import pytest
 from owtsweep.errors import InputError
 from owtsweep.figures.plane import Plane
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 SOIL, DEPTH = Condition("soil", "soil"), Condition("depth", "depth", "m")
 NOISE = Condition("noise", "noise", "%")

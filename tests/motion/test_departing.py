@@ -9,8 +9,7 @@ import pytest
 
 from owtsweep.motion.departing import Modulation, PacedSource, PeakSum, StretchedSource, rescale
 from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import SpectralSource
+from owtsweep.motion.spectra import SpectralSource, translated
 from owtsweep.streams import stream
 
 STEP, STEPS, BAND = 0.01, 30_000, (0.05, 0.6)

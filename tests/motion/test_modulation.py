@@ -10,8 +10,7 @@ import pytest
 from owtsweep.errors import InputError
 from owtsweep.motion.departing import AT_ONCE, ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
-from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import SpectralSource
+from owtsweep.motion.spectra import SpectralSource, translated
 from owtsweep.streams import stream
 
 STEP = 0.01

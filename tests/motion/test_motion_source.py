@@ -12,8 +12,7 @@ import pytest
 
 from owtsweep.motion.departing import ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
-from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import SpectralSource
+from owtsweep.motion.spectra import SpectralSource, translated
 from owtsweep.testing import check_source
 
 SPECTRAL = SpectralSource(translated(4.0), (0.05, 0.6))

@@ -13,8 +13,7 @@ from scipy.stats import kstest
 
 from owtsweep.errors import InputError
 from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import Spectrum, translated
-from owtsweep.motion.synthesis import SpectralSource, lines
+from owtsweep.motion.spectra import SpectralSource, Spectrum, lines, translated
 from owtsweep.streams import stream
 
 BAND = (0.05, 0.6)

@@ -11,8 +11,7 @@ from scipy.optimize import minimize
 
 from owtsweep.errors import InputError
 from owtsweep.motion import whittle
-from owtsweep.motion.spectra import Spectrum, translated
-from owtsweep.motion.synthesis import SpectralSource
+from owtsweep.motion.spectra import SpectralSource, Spectrum, translated
 from owtsweep.motion.whittle import fit, periodogram
 from owtsweep.streams import stream
 

@@ -12,7 +12,7 @@ from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies.hub.measures import CRITERIA, MEASURES
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 PERIODS = (3.0, 8.0)

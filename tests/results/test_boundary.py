@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from owtsweep.errors import InputError
 from owtsweep.results import boundary as boundaries
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 PRODUCTS = ["motion", "cross", "noise"]
 

@@ -26,7 +26,7 @@ from owtsweep.errors import InputError
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies.hub.measures import MEASURES
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 # the columns of summary.csv and best_scheme.csv, which others' scripts rely on
 DESIGN_SUMMARY = ["scheme", "natural_period", "amplitude", "measure", "window"]

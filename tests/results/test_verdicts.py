@@ -16,7 +16,7 @@ from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.status import FAILED, OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, find_open, judge_exactly, make_table
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 POSITION = Criterion("position: rms error", "square", "m", *MILLIMETRE)
 CONTENDERS = ("NONE", "MKF", "HME1", "HME2")

@@ -16,10 +16,10 @@ from owtsweep.config import as_mapping, with_values
 from owtsweep.config.over import NOMINAL
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
+from owtsweep.studies.base.axes import Departure, Untold
 from owtsweep.studies.base.blocks import Records, find_worlds
 from owtsweep.studies.base.contract import identify
 from owtsweep.studies.base.declaration import AnyDeclaration
-from owtsweep.studies.base.worlds import Departure, Untold
 
 SHORT = {
     "hub": [
@@ -136,7 +136,7 @@ def test_each_key_of_the_truth_changes_what_is_measured_and_nothing_that_is_told
 ) -> None:
     declaration, config = make(study)
     told, measured = take(declaration, config, None)
-    from owtsweep.studies.base.worlds import World
+    from owtsweep.studies.base.axes import World
 
     for key in declaration.list_untold(config).keys:
         values = CHANGED.get(key)

@@ -117,7 +117,7 @@ def sum_nested(
 ) -> list[Array]:
     """Return of each chain sums of products of errors up to each length, (lengths, 2, 4, 3, WIDTH).
 
-    The axes are those of `layout.products`, of x, y, vx and vy: before and after settling,
+    The axes are those of `batch.products`, of x, y, vx and vy: before and after settling,
     quantity, product, record. All chains run on one span of the records before the next is made.
     """
     settled = round(SETTLING / feed.records.sensors.step)

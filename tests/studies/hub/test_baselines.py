@@ -19,7 +19,8 @@ from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
 from owtsweep.figures.best_scheme_map import RUNNER_UP
-from owtsweep.studies.hub import batch, cache, describe, estimates
+from owtsweep.io import cache
+from owtsweep.studies.hub import batch, describe, estimates
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.expected import drawing

@@ -18,8 +18,7 @@ import owtsweep
 from owtsweep.comparing.changes import compare_boundaries
 from owtsweep.errors import InputError
 from owtsweep.results.boundary import find_boundary, subtract_schemes
-from owtsweep.studies.hub.world import CONDITIONS
-from owtsweep.studies.hub.worlds import find_world
+from owtsweep.studies.hub.worlds import CONDITIONS, find_world
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.compare import Compared
 from owtsweep.sweep.store import decode, encode

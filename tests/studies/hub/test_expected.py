@@ -11,10 +11,10 @@ from tools import SMALL, configure
 
 import owtsweep
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import translated
-from owtsweep.motion.synthesis import SpectralSource, lines
+from owtsweep.io import cache
+from owtsweep.motion.spectra import SpectralSource, lines, translated
 from owtsweep.streams import stream
-from owtsweep.studies.hub import batch, cache, estimates, known_motion
+from owtsweep.studies.hub import batch, estimates, known_motion
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig

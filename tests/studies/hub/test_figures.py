@@ -35,7 +35,7 @@ from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
 from owtsweep.studies.hub.measures import CRITERIA
-from owtsweep.studies.hub.world import CONDITIONS
+from owtsweep.studies.hub.worlds import CONDITIONS
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 

@@ -10,7 +10,7 @@ import pytest
 from tools import Key, configure, plan_blocks, rows_of, run_batch, run_blocks, whole_series
 
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.base.rows import Means
+from owtsweep.studies.base.declaration import Means
 from owtsweep.studies.hub import batch, measures
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.measures import Sums

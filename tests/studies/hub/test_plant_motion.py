@@ -20,15 +20,15 @@ from experiments.ren2019.histories import measure_histories
 from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
+from owtsweep.gravity import GRAVITY
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
-from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.studies.hub.study import HubStudy
-from owtsweep.studies.hub.worlds import find_world, list_maps
+from owtsweep.studies.hub.worlds import PLANT, find_world, list_maps
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
@@ -92,7 +92,7 @@ def test_the_lean_takes_the_structures_own_gravity(tmp_path):
     felt = motion.acceleration - 8.0 * slope * motion.position
     np.testing.assert_allclose(motion.specific_force, felt, atol=1e-12)
     assert one.sensors.lean == pytest.approx(8.0 * slope, rel=1e-12)
-    assert config.mkf.lean == pytest.approx(8.0 * slope, rel=1e-3)
+    assert GRAVITY * config.mkf.tilt == pytest.approx(8.0 * slope, rel=1e-3)
 
 
 def test_a_matched_filter_believes_in_the_first_modes_slope():

@@ -14,14 +14,15 @@ import numpy as np
 from owtsweep.config import AnyConfig
 from owtsweep.config.over import NOMINAL
 from owtsweep.errors import InputError, as_text
-from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.results.conditions import Value
+from owtsweep.results.status import FAILED, OK, UNABLE
+from owtsweep.results.superposition import PRODUCTS
 from owtsweep.statistics.deciding import FIRST
-from owtsweep.studies.base.axes import Axes, Cell
+from owtsweep.studies.base.axes import Axes, Cell, World, make_worlds
+from owtsweep.studies.base.contest import WINDOW
 from owtsweep.studies.base.contract import NotFinite, Ready, Unable
-from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart, Batch
-from owtsweep.studies.base.rows import Judgement, Labels, make_product_rows, make_rows
+from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart, Batch, F, Judgement, Means
 from owtsweep.studies.base.schemes import AnyScheme
-from owtsweep.studies.base.worlds import World, make_worlds
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
@@ -298,6 +299,76 @@ def explain(error: BaseException) -> Judgement[Any]:
     if isinstance(error, Unable):
         return Judgement(None, UNABLE, str(error))
     return Judgement(None, FAILED, str(error) if isinstance(error, NotFinite) else as_text(error))
+
+
+class Labels(NamedTuple):
+    """What the rows of a block are of: a scheme, a cell, and some records by their numbers.
+
+    `cell` has the values of axes on which the rows depend; `axes` are the names of all.
+    """
+
+    scheme: str
+    cell: Mapping[str, Value]
+    axes: Sequence[str]
+    replicates: Sequence[int]
+
+
+def make_rows(labels: Labels, judged: Sequence[Judgement[Mapping[str, float]]]) -> pd.DataFrame:
+    """Return the rows of a block, one per record and measure; an axis that is not set is NaN."""
+    found = [part.found or {"": np.nan} for part in judged]
+    windows = [WINDOW if part.status == OK else "" for part in judged]
+    counts = [len(each) for each in found]
+    columns = {
+        "measure": [name for each in found for name in each],
+        "window": np.repeat(windows, counts),
+        "value": [value for each in found for value in each.values()],
+    }
+    return _join(labels, judged, counts, columns)
+
+
+def make_product_rows(
+    labels: Labels, judged: Sequence[Judgement[Means]], *, apart: bool
+) -> pd.DataFrame:
+    """Return the rows of a block of products; parameters as for `make_rows`.
+
+    If motion and noise were run `apart`, a row has the columns motion, cross and noise, and stands
+    for all values of the axis that scales the motion. Otherwise it has a value.
+    """
+    nothing = Means([""], [""], np.full((1, 3), np.nan), [0])
+    found = [part.found or nothing for part in judged]
+    products = np.concatenate([each.products for each in found]).T
+    none = np.full_like(products, np.nan)
+    counts = [len(each.measures) for each in found]
+    columns = {
+        "measure": [name for each in found for name in each.measures],
+        "window": [name for each in found for name in each.windows],
+        **dict(zip(PRODUCTS, products if apart else none, strict=True)),
+        "value": none[0] if apart else products[2],
+        "n_samples": [count for each in found for count in each.n_samples],
+    }
+    return _join(labels, judged, counts, columns)
+
+
+def _join(
+    labels: Labels,
+    judged: Sequence[Judgement[F]],
+    counts: Sequence[int],
+    columns: Mapping[str, object],
+) -> pd.DataFrame:
+    """Put labels before the columns of measures, and status and reason behind."""
+    import pandas as pd
+
+    values = {axis: labels.cell.get(axis, np.nan) for axis in labels.axes}
+    return pd.DataFrame(
+        {
+            **{axis: v if isinstance(v, str) else float(v) for axis, v in values.items()},
+            "scheme": labels.scheme,
+            "replicate": np.repeat(labels.replicates, counts),
+            **columns,
+            "status": np.repeat([part.status for part in judged], counts),
+            "reason": np.repeat([part.reason for part in judged], counts),
+        }
+    )
 
 
 class DeclaredBlocks:

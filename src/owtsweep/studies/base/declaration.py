@@ -10,11 +10,10 @@ from typing import Any, Generic, Literal, NamedTuple, TypeVar
 from owtsweep.arrays import Array
 from owtsweep.config import Config as Keys
 from owtsweep.evaluation.estimate import Reading
-from owtsweep.studies.base.axes import Axes, Cell
+from owtsweep.results.status import OK
+from owtsweep.studies.base.axes import Axes, Cell, Untold
 from owtsweep.studies.base.contract import Part
-from owtsweep.studies.base.rows import Judgement, Means
 from owtsweep.studies.base.schemes import SchemeTable
-from owtsweep.studies.base.worlds import Untold
 
 Config = TypeVar("Config", bound=Keys)
 Truth = TypeVar("Truth")
@@ -26,6 +25,36 @@ Estimates = TypeVar("Estimates")
 
 #: A scheme of the study at hand.
 TheScheme = Any
+
+
+class Means(NamedTuple):
+    """Mean squares over a record, as products of the errors from motion and from noise.
+
+    measures, windows: Names, n entries each.
+    products: Means of motion x motion, motion x noise, noise x noise, shape (n, 3). The last is the
+        mean square itself if motion and noise were run as one series.
+    n_samples: Number of samples in each mean, n numbers.
+    """
+
+    measures: Sequence[str]
+    windows: Sequence[str]
+    products: Array
+    n_samples: Sequence[int]
+
+
+F = TypeVar("F")
+
+
+class Judgement(NamedTuple, Generic[F]):
+    """What a scheme's estimates of a record are worth, or why there are none.
+
+    `found` has measure -> value, or `Means`; `status` and `reason` are as in rows
+    (`owtsweep.results.status`).
+    """
+
+    found: F | None
+    status: str = OK
+    reason: str = ""
 
 
 class Quantity(NamedTuple):

@@ -154,11 +154,11 @@ class DeclaredStudy(ContestStudy):
         return self.declaration().list_untold(config).tell()
 
     def check_over(self, config: ContestConfig) -> None:
-        from owtsweep.studies.base.worlds import check
+        from owtsweep.studies.base.axes import check_over
 
         if config.over is not None:
             made = self.declaration()
-            check(made.axes, made.list_untold(config), self.check, config)
+            check_over(made.axes, made.list_untold(config), self.check, config)
 
     def count_trials(self, config: ContestConfig) -> int:
         """Return how many trials `tune` will make; raise `InputError` as `Study.count_trials`."""

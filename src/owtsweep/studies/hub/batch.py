@@ -7,24 +7,23 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, Rows, aligned, make_mixed_rows, make_rows
 from owtsweep.errors import as_text, require
 from owtsweep.results.conditions import Value
 from owtsweep.results.status import FAILED
-from owtsweep.studies.base.rows import Judgement, Means
+from owtsweep.studies.base.declaration import Judgement, Means
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.kernels.layout import (
+    STATE,
     WIDTH,
     ChainArrays,
     Fed,
+    Memory,
     Truth,
     Weights,
-    new_memory,
-    new_sums,
-    products,
 )
 from owtsweep.studies.hub.measures import Sums
 from owtsweep.studies.hub.records import Feed, Records, Span
@@ -102,7 +101,7 @@ class ChainRun:
 
     @property
     def products(self) -> Array:
-        """The sums as `layout.products` arranges them, shape (2, 6, 3, WIDTH)."""
+        """The sums as `products` arranges them, shape (2, 6, 3, WIDTH)."""
         return products(self.sums, self.direction)
 
     def advance(self, span: Span) -> None:
@@ -139,6 +138,57 @@ def chunk_of(chain: Chain) -> tuple[int, int]:
 def lead_of(chain: Chain) -> int:
     """Return how many samples of the specific force kernels need from before their first step."""
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
+
+
+def new_memory(chain: ChainArrays, lanes: int, chunk: int) -> Memory:
+    """Make the memory for a run of `lanes` lanes, in chunks of at most `chunk` steps."""
+    return Memory(
+        steps=make_rows(chain.filter.window + 1 + chunk, lanes, "r", "s", *STATE),
+        back=make_rows(1, lanes, *STATE),
+        inputs=make_rows(1, lanes, "p", "v"),
+        nodes=make_rows(chain.mhe.horizon + 1, lanes, "z", "ip", "iv", "p", "v", "b"),
+        now=make_rows(1, lanes, "gathered", "sample", "np", "nv", "nb", "p", "v"),
+        position=aligned(1, lanes),
+    )
+
+
+#: The sums of squared errors: of position, of velocity, in NEES and in NIS. The ending says of
+#: what: m is motion, x and y are noise along an axis, and xx of NEES and NIS is both axes.
+SUMS = (
+    "mm", "mx", "my", "xx", "yy", "vmm", "vmx", "vmy", "vxx", "vyy", "nmm", "nmx", "nxx", "imm",
+    "imx", "ixx",
+)  # fmt: skip
+
+
+def new_sums(lanes: int) -> Rows:
+    """Make sums, all zero, for a run of `lanes` lanes: one row before and one after settling.
+
+    The fields p, v, motion and square are those of the step whose errors are being added. Kernels
+    copy them into the row of the sums, because the compiler knows that fields of one row do not
+    overlap.
+    """
+    own = [("p", lanes), ("v", lanes), ("motion", 2 * WIDTH), ("square", WIDTH)]
+    return make_mixed_rows(own + [(name, WIDTH) for name in SUMS], 2)
+
+
+def products(sums: Rows, direction: Array) -> Array:
+    """Arrange sums as (2, 6, 3, WIDTH): part of the record, quantity, product, replicate.
+
+    The parts are before and after settling; the quantities x, y, vx, vy, NEES, NIS; the products
+    motion x motion, motion x noise, noise x noise. `direction` (2,) is that of `Truth`.
+    """
+    cx, cy = direction
+    result = np.empty((2, 6, 3, WIDTH))
+    for quantity, v in ((0, ""), (2, "v")):
+        for axis, (c, name) in enumerate(((cx, "x"), (cy, "y"))):
+            row = result[:, quantity + axis]
+            row[:, 0] = c * c * sums[f"{v}mm"]
+            row[:, 1] = c * sums[f"{v}m{name}"]
+            row[:, 2] = sums[f"{v}{name}{name}"]
+    for quantity, n in ((4, "n"), (5, "i")):
+        for product, name in enumerate(("mm", "mx", "xx")):
+            result[:, quantity, product] = sums[n + name]
+    return result
 
 
 #: What a scheme's estimates of each record are worth, or the exception that it has raised.

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import Plain, as_mapping
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.results.conditions import Value
@@ -17,11 +16,11 @@ from owtsweep.studies.base.declaration import (
     AnyDeclaration,
     Batch,
     Declaration,
+    Means,
     Quantity,
     Shown,
     Stated,
 )
-from owtsweep.studies.base.rows import Means
 from owtsweep.studies.hub.batch import know, run_batch, uses_kernels
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
@@ -29,8 +28,13 @@ from owtsweep.studies.hub.listed import SCHEMES
 from owtsweep.studies.hub.measures import from_trajectories
 from owtsweep.studies.hub.records import Records, count_records_per_block, make_records_at
 from owtsweep.studies.hub.sensors import Measured, observe
-from owtsweep.studies.hub.world import World
-from owtsweep.studies.hub.worlds import WORLDS, find_amplitude, find_world, list_untold
+from owtsweep.studies.hub.worlds import (
+    WORLDS,
+    World,
+    find_amplitude,
+    list_content,
+    list_untold,
+)
 
 Cell = Mapping[str, Value]
 UNITS = {
@@ -52,16 +56,6 @@ class Record(NamedTuple):
     truth: Array
     motion: Measured
     noise: Measured
-
-
-def list_content(config: HubConfig) -> Plain:
-    """Return the settings on which every block depends, without grid and tuning."""
-    whole = as_mapping(config)
-    content = {key: whole[key] for key in ("seed", "engine", "record", "wave_direction", "sensors")}
-    content |= find_world(config).list_content(config)
-    content["settling_time"] = config.measures.settling_time
-    content["extremes"] = config.measures.extremes
-    return content
 
 
 def _measure(config: HubConfig, cell: Cell, records: Records) -> Record:

@@ -48,10 +48,8 @@ from owtsweep.studies.hub.listed import (
     scheme_names,
 )
 from owtsweep.studies.hub.measures import JUDGED, criteria
-from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
-from owtsweep.studies.hub.world import BOUNDARY, World
-from owtsweep.studies.hub.worlds import find_world, list_maps
+from owtsweep.studies.hub.worlds import BOUNDARY, FRICTION_ANGLE, World, find_world, list_maps
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.study import Block, Engine, Look, Square
 

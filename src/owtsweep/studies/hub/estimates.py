@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, Rows, aligned
-from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of
+from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of, new_memory
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, new_memory
+from owtsweep.studies.hub.kernels.layout import WIDTH, Fed
 
 #: Number of lanes that are run together: as in a direct run of the batch engine, whose compiled
 #: kernels then serve here too.

@@ -16,9 +16,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
-from owtsweep.motion.synthesis import SpectralSource
+from owtsweep.io.cache import cached
+from owtsweep.motion.spectra import SpectralSource
 from owtsweep.streams import stream
-from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.worlds import require_spectrum

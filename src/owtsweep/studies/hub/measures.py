@@ -12,7 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.measures import Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
-from owtsweep.studies.base.rows import Means
+from owtsweep.studies.base.declaration import Means
 from owtsweep.studies.hub.config import HubConfig
 
 #: The measures that the kernels sum, in their order.

@@ -18,6 +18,7 @@ from owtsweep.estimation.discretisation import Discrete, Model, discretise
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.riccati import TwoRates
 from owtsweep.estimation.weighing import ALIKE, Weighing
+from owtsweep.gravity import GRAVITY
 from owtsweep.studies.hub.scheme_sections import FilterTuning, FixTuning, Variance
 from owtsweep.studies.hub.sensors import Sensors
 
@@ -112,9 +113,9 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
     force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
     if tuning.model == "sigma1":
         model = discretise(sigma_1(tuning.q_a, q_b), sensors.step, tuning.discretisation)
-        force_row = FORCE - tuning.lean * POSITION
+        force_row = FORCE - GRAVITY * tuning.tilt * POSITION
     else:
-        continuous = sigma_2(force_variance * sensors.step, q_b, tuning.lean)
+        continuous = sigma_2(force_variance * sensors.step, q_b, GRAVITY * tuning.tilt)
         model = four_states(discretise(continuous, sensors.step, tuning.discretisation))
         force_row = np.zeros(4)
     return AxisFilter(
@@ -151,5 +152,5 @@ def input_model(tuning: FilterTuning, sensors: Sensors, hold: str) -> Discrete:
     The specific force has no noise. `hold` is one of `estimation.discretisation.HOLDS`.
     """
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
-    model = sigma_2(0.0, q_b, tuning.lean)
+    model = sigma_2(0.0, q_b, GRAVITY * tuning.tilt)
     return discretise(model, sensors.step, tuning.discretisation, hold=hold)

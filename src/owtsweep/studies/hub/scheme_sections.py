@@ -82,11 +82,6 @@ class FilterTuning(FixTuning):
         max_length=4,
     )
 
-    @property
-    def lean(self) -> float:
-        """The specific force by leaning, g tilt, in m/s^2 per metre of displacement."""
-        return GRAVITY * self.tilt
-
 
 class Constraints(Section):
     """The bounds of the states in the MHE's window: largest magnitudes of the components."""

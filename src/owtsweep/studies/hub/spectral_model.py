@@ -16,8 +16,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Model, discretise
+from owtsweep.io.cache import cached
 from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
-from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors

@@ -94,7 +94,7 @@ class HubStudy(HubKeys):
         return list_untold(config).tell()
 
     def check_over(self, config: HubConfig) -> None:
-        from owtsweep.studies.base.worlds import check
+        from owtsweep.studies.base.axes import check_over
         from owtsweep.studies.hub.checks import check_truth
         from owtsweep.studies.hub.declaration import find_declaration
 
@@ -104,7 +104,7 @@ class HubStudy(HubKeys):
             config.engine != "expected",
             "over: a regret needs records, which engine=expected has not; use engine=batch",
         )
-        check(find_declaration(config).axes, list_untold(config), check_truth, config)
+        check_over(find_declaration(config).axes, list_untold(config), check_truth, config)
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
         return find_world(config).conditions

@@ -9,10 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.spectra import Spectrum
-from owtsweep.motion.synthesis import lines
+from owtsweep.io.cache import cached
+from owtsweep.motion.spectra import Spectrum, lines
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves.curves import Curves, curves

@@ -10,11 +10,12 @@ import numpy as np
 
 from owtsweep.arrays import Array, aligned, make_mixed_rows, make_rows
 from owtsweep.studies.hub import batch
+from owtsweep.studies.hub.batch import new_memory
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
-from owtsweep.studies.hub.kernels.layout import Memory, new_memory
+from owtsweep.studies.hub.kernels.layout import Memory
 from owtsweep.studies.hub.sensors import Sensors, fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 

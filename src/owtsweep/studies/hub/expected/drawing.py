@@ -22,7 +22,7 @@ from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.measures import criteria
 from owtsweep.studies.hub.schemes.skf import SCHEME
-from owtsweep.studies.hub.world import AMPLITUDE, CONDITIONS, NATURAL_PERIOD
+from owtsweep.studies.hub.worlds import AMPLITUDE, CONDITIONS, NATURAL_PERIOD
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,7 +18,6 @@ from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.declaration import list_content
 from owtsweep.studies.hub.error_curves.of_schemes import (
     EXPECTED_VERSION,
     curves_of,
@@ -28,6 +27,7 @@ from owtsweep.studies.hub.error_curves.of_schemes import (
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.known_motion import RECORDS, factor_at, ladder
 from owtsweep.studies.hub.listed import SCHEMES, resolve_all
+from owtsweep.studies.hub.worlds import list_content
 from owtsweep.sweep.study import Block
 
 

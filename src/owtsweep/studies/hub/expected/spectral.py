@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.estimation.late import LateModel, LateRows, copying, measurement_rows, transition
-from owtsweep.studies.base.rows import Judgement, Labels, Means, make_product_rows
+from owtsweep.studies.base.blocks import Labels, make_product_rows
+from owtsweep.studies.base.declaration import Judgement, Means
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known

@@ -18,8 +18,7 @@ from owtsweep.figures.plane import Plane
 from owtsweep.studies.hub.bounds.cells import WINDOW
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.world import CONDITIONS
-from owtsweep.studies.hub.worlds import find_world
+from owtsweep.studies.hub.worlds import CONDITIONS, find_world
 
 NAME = "efficiency"
 #: Panels per row, and the most cells of a panel that has numbers in its cells.

@@ -20,7 +20,7 @@ from owtsweep.motion.spectra import Spectrum, translated
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import MEANING
 from owtsweep.studies.hub.histories import make_record
-from owtsweep.studies.hub.plant import PLANT
+from owtsweep.studies.hub.worlds import PLANT
 
 #: Segment length of Welch's estimate, s: long enough to resolve the peak of Eq. (1), whose
 #: half-bandwidth is 1/64 Hz.

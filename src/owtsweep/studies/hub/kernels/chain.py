@@ -28,7 +28,7 @@ def run(stretch, fed, truth, chain, weights, memory, sums, squared):
 
     stretch: (begin, stop, chunk, settled): the steps begin ... stop - 1 are processed `chunk` steps
         at a time; errors from step `settled` on count as settled.
-    sums: what `layout.new_sums` makes: for three lanes per record, motion and noise apart, or for
+    sums: what `batch.new_sums` makes: for three lanes per record, motion and noise apart, or for
         two, motion plus noise.
     squared: either (steps, 8), to be filled with the squared position error of each step of a run
         with two lanes per record, or empty.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array, Rows, aligned, make_mixed_rows, make_rows
+from owtsweep.arrays import Array, Rows
 
 #: Number of records that run side by side; a record has two or three lanes.
 WIDTH = 8
@@ -200,54 +200,3 @@ class Memory(NamedTuple):
     nodes: Rows
     now: Rows
     position: Array
-
-
-def new_memory(chain: ChainArrays, lanes: int, chunk: int) -> Memory:
-    """Make the memory for a run of `lanes` lanes, in chunks of at most `chunk` steps."""
-    return Memory(
-        steps=make_rows(chain.filter.window + 1 + chunk, lanes, "r", "s", *STATE),
-        back=make_rows(1, lanes, *STATE),
-        inputs=make_rows(1, lanes, "p", "v"),
-        nodes=make_rows(chain.mhe.horizon + 1, lanes, "z", "ip", "iv", "p", "v", "b"),
-        now=make_rows(1, lanes, "gathered", "sample", "np", "nv", "nb", "p", "v"),
-        position=aligned(1, lanes),
-    )
-
-
-#: The sums of squared errors: of position, of velocity, in NEES and in NIS. The ending says of
-#: what: m is motion, x and y are noise along an axis, and xx of NEES and NIS is both axes.
-SUMS = (
-    "mm", "mx", "my", "xx", "yy", "vmm", "vmx", "vmy", "vxx", "vyy", "nmm", "nmx", "nxx", "imm",
-    "imx", "ixx",
-)  # fmt: skip
-
-
-def new_sums(lanes: int) -> Rows:
-    """Make sums, all zero, for a run of `lanes` lanes: one row before and one after settling.
-
-    The fields p, v, motion and square are those of the step whose errors are being added. Kernels
-    copy them into the row of the sums, because the compiler knows that fields of one row do not
-    overlap.
-    """
-    own = [("p", lanes), ("v", lanes), ("motion", 2 * WIDTH), ("square", WIDTH)]
-    return make_mixed_rows(own + [(name, WIDTH) for name in SUMS], 2)
-
-
-def products(sums: Rows, direction: Array) -> Array:
-    """Arrange sums as (2, 6, 3, WIDTH): part of the record, quantity, product, replicate.
-
-    The parts are before and after settling; the quantities x, y, vx, vy, NEES, NIS; the products
-    motion x motion, motion x noise, noise x noise. `direction` (2,) is that of `Truth`.
-    """
-    cx, cy = direction
-    result = np.empty((2, 6, 3, WIDTH))
-    for quantity, v in ((0, ""), (2, "v")):
-        for axis, (c, name) in enumerate(((cx, "x"), (cy, "y"))):
-            row = result[:, quantity + axis]
-            row[:, 0] = c * c * sums[f"{v}mm"]
-            row[:, 1] = c * sums[f"{v}m{name}"]
-            row[:, 2] = sums[f"{v}{name}{name}"]
-    for quantity, n in ((4, "n"), (5, "i")):
-        for product, name in enumerate(("mm", "mx", "xx")):
-            result[:, quantity, product] = sums[n + name]
-    return result

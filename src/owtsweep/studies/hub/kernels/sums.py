@@ -7,7 +7,7 @@ errors at every amplitude. In a direct run a replicate has two lanes, x and y of
 its squares count as noise x noise. Lanes of one kind stand side by side.
 
 NEES is e' P^-1 e for the errors e of position and velocity, NIS is s^2 / S for the innovation s;
-both are sums over the axes. `layout.new_sums` explains the row t of the sums.
+both are sums over the axes. `batch.new_sums` explains the row t of the sums.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from owtsweep.studies.hub.cache import Kept
+from owtsweep.io.cache import Kept
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, Parts, chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme, run_stepwise

@@ -13,6 +13,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise, predict
 from owtsweep.evaluation.estimate import Estimate
+from owtsweep.gravity import GRAVITY
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.checks import check_mhe
 from owtsweep.studies.hub.config import HubConfig
@@ -148,7 +149,7 @@ class HME2(HME1):
         return super().choose_window(tuning) if window is None else window
 
     def make_horizon(self, tuning: HubConfig, sensors: Sensors) -> Horizon:
-        mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
+        mhe = horizon(tuning.hme.mhe, sensors, GRAVITY * tuning.hme2.tilt)
         return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
 
     def under(self, config: HubConfig) -> Scheme:

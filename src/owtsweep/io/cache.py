@@ -20,10 +20,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from owtsweep.arrays import Array
-
-#: Files and folders of the package with the code that the cached numbers depend on.
-SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
-
+from owtsweep.io.files import write_atomically
 
 V = TypeVar("V")
 
@@ -87,8 +84,6 @@ def _read(path: Path) -> dict[str, Array] | None:
 
 
 def _write(path: Path, arrays: Mapping[str, Array]) -> None:
-    from owtsweep.io.files import write_atomically
-
     buffer = io.BytesIO()
     np.savez(buffer, **dict(arrays))  # type: ignore[arg-type]
     body = buffer.getvalue()
@@ -100,14 +95,12 @@ def _write(path: Path, arrays: Mapping[str, Array]) -> None:
 
 @cache
 def source_hash() -> str:
-    """Return a hash of the code in `SOURCES`, and of the versions of NumPy and SciPy."""
+    """Return a hash of the package's code, and of the versions of NumPy and SciPy."""
     import scipy
 
-    package = Path(__file__).resolve().parents[2]
+    package = Path(__file__).resolve().parents[1]
     digest = hashlib.blake2b(f"{np.__version__} {scipy.__version__}".encode(), digest_size=8)
-    for entry in SOURCES:
-        path = package / entry
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
-            digest.update(str(file.relative_to(package)).encode())
-            digest.update(file.read_bytes())
+    for file in sorted(package.rglob("*.py")):
+        digest.update(str(file.relative_to(package)).encode())
+        digest.update(file.read_bytes())
     return digest.hexdigest()
