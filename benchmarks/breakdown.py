@@ -18,8 +18,7 @@ from benchmarks.timing import REPEATS, median_time, samples
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import Feed, Records, make_records
 
 #: Records of a block, periods of the default grid.

@@ -93,8 +93,7 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     from owtsweep.studies import compose
     from owtsweep.studies.hub import sensors as sensing
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
-    from owtsweep.studies.hub.contract import Known
-    from owtsweep.studies.hub.listed import resolve
+    from owtsweep.studies.hub.contract import Known, resolve
 
     config: Any = compose([STUDY[0], f"tuning={tuning}"])
     sensors = sensing.sensors(config.sensors)

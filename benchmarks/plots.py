@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.kernels import SHARE
 from owtsweep.figures.style import context, new_figure
-from owtsweep.studies.hub.listed import LISTED
+from owtsweep.studies.hub.contract import LISTED
 
 OURS, OTHERS, LIMIT = "#0072B2", "#999999", "#D55E00"
 DPI = 100

@@ -15,8 +15,7 @@ import numpy as np
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.studies import compose
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import observe
 

@@ -14,8 +14,7 @@ import owtsweep
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub import spectral_batch
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import make_records
 
 #: Greatest time of SKF's kernel, ns per state, IMU step and series; of an online step, us; and of

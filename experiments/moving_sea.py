@@ -25,8 +25,7 @@ from experiments.command import read_words, write
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.motion.departing import Modulation, modulate
 from owtsweep.studies import compose
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import observe
 

@@ -29,8 +29,7 @@ from experiments.command import read_words, show, write
 from owtsweep.config import changed
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import Records, make_records_at
 
 #: Sea states, Hs in m and Tp in s; none of them breaks.

@@ -28,9 +28,8 @@ from owtsweep.structures import compute_modes, find_structure
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve_all
 from owtsweep.studies.hub.error_spectrum import error_spectrum, expected_mse, look_constant
-from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.tuning_rules import assume_tilt
 

@@ -33,7 +33,7 @@ from experiments.command import read_words, show
 from owtsweep.arrays import Array
 from owtsweep.io.terminal import show_steps, tell_step
 from owtsweep.studies import compose
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF, Measured, Setting

@@ -14,7 +14,7 @@ import numpy as np
 from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
-from owtsweep.studies.base.contract import Ready
+from owtsweep.studies.base.schemes import Ready
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import Estimates, Measured, Setting, Truth

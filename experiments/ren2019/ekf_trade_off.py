@@ -28,8 +28,7 @@ from experiments.ren2019.published import published_numbers
 from owtsweep.figures import style
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import make_records
 
 PERIOD = 8.0  # s, of tables 7 and 8

@@ -12,7 +12,7 @@ from experiments.ren2019.published import BOUNDARIES
 from owtsweep.arrays import Array
 from owtsweep.results.status import OK
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import scheme_names
+from owtsweep.studies.hub.contract import scheme_names
 from owtsweep.studies.hub.worlds import BOUNDARY
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.scores import collect_scores

@@ -26,10 +26,10 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import scheme_names
 from owtsweep.studies.hub.describe import describe_origin, make_cube
 from owtsweep.studies.hub.figures.listing import over_amplitude, save_each
 from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
-from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.measures import CRITERIA
 from owtsweep.sweep.runs import Run
 

@@ -22,9 +22,8 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain, bias_of
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve_all
 from owtsweep.studies.hub.histories import choose_sea
-from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.sensors import simulate_bias
 from owtsweep.studies.hub.worlds import find_world

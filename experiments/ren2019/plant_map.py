@@ -23,8 +23,8 @@ from owtsweep.figures import style
 from owtsweep.figures.margin import add_legend, list_shades
 from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import scheme_names
 from owtsweep.studies.hub.describe import describe_in_a_line
-from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.worlds import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run
 

@@ -34,6 +34,7 @@ from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import scheme_names
 from owtsweep.studies.hub.describe import (
     describe_origin,
     find_winners,
@@ -41,7 +42,6 @@ from owtsweep.studies.hub.describe import (
     tell_window,
 )
 from owtsweep.studies.hub.figures import error_spectra
-from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.measures import CRITERIA
 from owtsweep.studies.hub.worlds import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run

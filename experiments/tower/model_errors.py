@@ -29,7 +29,7 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contest import WINDOW
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig

@@ -193,8 +193,7 @@ def online(
     array([1., 2.])
     """
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.studies.hub.contract import Known
-    from owtsweep.studies.hub.listed import resolve
+    from owtsweep.studies.hub.contract import Known, resolve
     from owtsweep.studies.hub.sensors import sensors
 
     registered = resolve(scheme)

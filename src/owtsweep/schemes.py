@@ -6,7 +6,7 @@ study returns `owtsweep.Estimate`. `owtsweep.testing.check_scheme` says whether 
 contract; `owtsweep init scheme NAME study=...` writes one that does.
 """
 
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.blade import contract as blade
 from owtsweep.studies.floater import contract as floater
 from owtsweep.studies.hub import contract as hub

@@ -12,7 +12,7 @@ from owtsweep.cli.program import main
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.studies import compose
-from owtsweep.studies.hub.listed import SCHEMES
+from owtsweep.studies.hub.contract import SCHEMES
 from owtsweep.sweep.keys import run_folder, run_hash
 
 SMALL = (

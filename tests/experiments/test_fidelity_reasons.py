@@ -14,8 +14,7 @@ from experiments.ren2019.evidence import Cell, Evidence
 from experiments.ren2019.published import published_numbers
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import bias_of
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import simulate_bias
 

@@ -10,8 +10,7 @@ from small_tower import SMALL_TOWER
 
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import Records
-from owtsweep.studies.base.contract import Scheme, Unable
-from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.base.schemes import Scheme, SchemeTable, Unable
 
 #: A short record of each declared study; the buoy moves alike in every record.
 SHORT = {

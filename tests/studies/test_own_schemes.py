@@ -17,7 +17,7 @@ from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base import schemes
-from owtsweep.studies.hub.listed import SCHEMES
+from owtsweep.studies.hub.contract import SCHEMES
 from owtsweep.testing import check_scheme
 
 TINY = [

@@ -13,8 +13,8 @@ from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study, names
 from owtsweep.studies.base import schemes
-from owtsweep.studies.base.contract import LEAST_SIMPLE
-from owtsweep.studies.hub.listed import BASELINES, SCHEMES
+from owtsweep.studies.base.schemes import LEAST_SIMPLE
+from owtsweep.studies.hub.contract import BASELINES, SCHEMES
 from owtsweep.studies.registry import list_simplicity
 
 STUDIES = [name for name in names() if get_study(name).schemes()]

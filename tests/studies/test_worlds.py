@@ -18,8 +18,8 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.axes import Departure, Untold
 from owtsweep.studies.base.blocks import Records, find_worlds
-from owtsweep.studies.base.contract import identify
 from owtsweep.studies.base.declaration import AnyDeclaration
+from owtsweep.studies.base.schemes import identify
 
 SHORT = {
     "hub": [

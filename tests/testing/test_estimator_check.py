@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from owtsweep.studies.base.contract import identify
+from owtsweep.studies.base.schemes import identify
 
 
 @dataclass

@@ -30,9 +30,8 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import ChainRun
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.kernels.layout import WIDTH
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import Feed, make_records
 from owtsweep.studies.hub.sensors import sensors
 

@@ -15,7 +15,7 @@ from typing import Any
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import Records, check_estimates
-from owtsweep.studies.base.contract import NotFinite, Scheme, Unable, identify
+from owtsweep.studies.base.schemes import NotFinite, Scheme, Unable, identify
 from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.studies.hub import public as hub
 from owtsweep.testing.hub_schemes import check_hub_scheme

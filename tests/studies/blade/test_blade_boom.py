@@ -10,7 +10,7 @@ from hanging import QUIET, make, run, score
 
 from owtsweep.estimation.double_integration import pass_high
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
 from owtsweep.studies.blade.schemes.fixed_gains import merge
 

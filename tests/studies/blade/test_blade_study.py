@@ -13,8 +13,7 @@ from rich.console import Console
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.contract import Scheme, Unable
-from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.base.schemes import Scheme, SchemeTable, Unable
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.sweep.plan import make_plan, make_tasks
 from owtsweep.testing import check_study

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from owtsweep.estimation.inertial.reports import learn_report
 from owtsweep.estimation.inertial.strapdown import ERRORS, STATES, correct, subtract
 from owtsweep.studies import compose
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measures import compare

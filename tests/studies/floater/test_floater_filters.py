@@ -11,7 +11,7 @@ from scipy.signal import butter, lfilter
 from sine_records import find_lag, report
 
 from owtsweep.estimation.inertial.complementary import blend_acceleration, blend_rate, place_poles
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.complementary import find_crossover
 from owtsweep.studies.floater.schemes.positions_alone import balance_lag_and_noise

@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_predictor import make_transition
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.linear import read_inputs
 from owtsweep.studies.floater.schemes.printed import process_noise

@@ -12,7 +12,7 @@ from scipy.linalg import expm
 from sine_records import find_lag, report
 
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.positions_alone import (
     ABOVE,

@@ -16,8 +16,7 @@ from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.contract import Scheme, Unable
-from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.base.schemes import Scheme, SchemeTable, Unable
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.schemes import SCHEMES

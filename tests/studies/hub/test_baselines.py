@@ -22,11 +22,10 @@ from owtsweep.figures.best_scheme_map import RUNNER_UP
 from owtsweep.io import cache
 from owtsweep.studies.hub import batch, describe, estimates
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import BASELINES, Known, resolve
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import listing, maps_by_tuning, mse_over_amplitude
-from owtsweep.studies.hub.listed import BASELINES, resolve
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import block_key, run_hash
 from owtsweep.sweep.plan import make_plan

@@ -21,8 +21,7 @@ from owtsweep.studies.hub import estimates, measures
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import STUDY, Records, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")

@@ -16,9 +16,8 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies import compose
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve, under
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
-from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import Measured, Sensors, sensors
 from owtsweep.studies.hub.study import HubStudy

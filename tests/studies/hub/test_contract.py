@@ -11,7 +11,7 @@ from hold_last_fix import HoldLastFix, HoldLastFixEstimator
 from tools import configure
 
 from owtsweep.evaluation.estimate import Estimate, Innovation
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import resolve
 from owtsweep.testing import check_scheme
 from owtsweep.testing.hub_schemes import check_hub_scheme, example_sensors
 

@@ -7,8 +7,7 @@ import pytest
 from tools import configure, rows_of
 
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import make_records
 
 

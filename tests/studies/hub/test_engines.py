@@ -8,7 +8,7 @@ from tools import assert_same, configure, measured, plan_blocks, run_batch, run_
 
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -11,9 +11,8 @@ from owtsweep.studies.hub import batch, estimates, settled
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import Sensors

@@ -18,13 +18,12 @@ from owtsweep.studies.hub import batch, estimates, known_motion
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.error_curves.of_schemes import expected_ratio
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.known_motion import peak_factors
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.sensors import Sensors, fix_count
 from owtsweep.studies.hub.study import HubStudy
 

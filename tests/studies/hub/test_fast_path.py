@@ -8,8 +8,7 @@ from tools import assert_same, configure, measured, ned, run_batch
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter
 
 

@@ -31,9 +31,9 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies import compose
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import StoredHubScheme
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
-from owtsweep.studies.hub.listed import StoredHubScheme
 from owtsweep.studies.hub.measures import CRITERIA
 from owtsweep.studies.hub.worlds import CONDITIONS
 

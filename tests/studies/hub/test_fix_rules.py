@@ -18,8 +18,7 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve, under
+from owtsweep.studies.hub.contract import Known, resolve, under
 from owtsweep.studies.hub.models import make_fix_rule
 from owtsweep.studies.hub.schemes.hme2 import SCHEME as HME2
 from owtsweep.studies.hub.sensors import Measured, Sensors, sensors

@@ -7,9 +7,8 @@ import pytest
 from tools import configure
 
 from owtsweep.estimation.mhe import window_maps
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.horizon import horizon, transition_over
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.sensors import sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")

@@ -12,8 +12,7 @@ from tools import Array, assert_same, configure
 
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.records import Records, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")

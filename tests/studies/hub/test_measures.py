@@ -12,7 +12,7 @@ from tools import Key, configure, plan_blocks, rows_of, run_batch, run_blocks, w
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base.declaration import Means
 from owtsweep.studies.hub import batch, measures
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import resolve
 from owtsweep.studies.hub.measures import Sums
 from owtsweep.studies.hub.records import make_records
 

@@ -19,10 +19,9 @@ from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.figures import error_spectra, time_histories
 from owtsweep.studies.hub.histories import Histories, natural_period_of, simulate_histories
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.sweep.runs import Run
 
 pytestmark = pytest.mark.usefixtures("kernels")

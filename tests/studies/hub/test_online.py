@@ -12,8 +12,7 @@ from tools import Array, Streaming, assert_same, configure, measured, ned, run_b
 import owtsweep
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
 from owtsweep.studies.hub.sensors import Measured, Sensors
 from owtsweep.testing import check_scheme

@@ -13,8 +13,7 @@ from tools import Array, assert_same, configure, measured, run_batch, whole_seri
 import owtsweep
 from owtsweep.studies import compose
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.online.coordinates import check_origin
 from owtsweep.studies.hub.records import Records, make_records
 

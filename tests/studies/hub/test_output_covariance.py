@@ -7,8 +7,7 @@ import pytest
 from dense import Measurement, posterior
 from tools import configure
 
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
 from owtsweep.studies.hub.sensors import sensors
 

@@ -10,10 +10,9 @@ from owtsweep.arrays import Array
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.inputs import Probe
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.sensors import Sensors, fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 

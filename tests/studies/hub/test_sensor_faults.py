@@ -11,10 +11,9 @@ from owtsweep.motion.source import Motion
 from owtsweep.studies import compose
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import Feed, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")

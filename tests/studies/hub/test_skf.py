@@ -17,12 +17,11 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.studies.hub import spectral_model
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.declaration import superposes
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
 from owtsweep.studies.hub.histories import simulate_histories
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.schemes.skf import find_motion
 from owtsweep.studies.hub.spectral_model import make_axis
 from owtsweep.studies.hub.study import HubStudy

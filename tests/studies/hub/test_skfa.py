@@ -16,9 +16,8 @@ from owtsweep.motion.candidates import Candidate
 from owtsweep.motion.tracking import SpectrumTracker
 from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve, under
 from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker, find_level
-from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.models import make_fix_rule
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.sensors import observe

@@ -8,9 +8,8 @@ from tools import configure, plan_blocks, run_blocks
 from user_schemes import Saturated
 
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.kernels.layout import WIDTH
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import Feed, make_records
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")

@@ -11,9 +11,8 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.expected.engine import rows_of
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.scheme_sections import Switch
 from owtsweep.studies.hub.switching.boundary import (
     ANY,

@@ -9,9 +9,8 @@ from tools import assert_same, compose, configure, measured, run_batch
 from experiments.tilt import compare_knowledge
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.error_spectrum import error_spectrum
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import observe

@@ -17,8 +17,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.base.searching import attempt
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis, kalman_bound
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.studies.hub.tuning import search

@@ -8,7 +8,7 @@ from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 
 from owtsweep.config import changed
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import resolve
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
 

@@ -18,8 +18,8 @@ from replay_tools import collect_force, config_of, estimate, motion_file, sensor
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.contract import resolve
 from owtsweep.studies.hub.estimates import OnePassSeries
-from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.replay import blocks
 from owtsweep.studies.replay import record as recorded
 from owtsweep.studies.replay.estimating import (

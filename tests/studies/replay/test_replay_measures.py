@@ -7,8 +7,7 @@ import pytest
 from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import Known, resolve
 from owtsweep.studies.replay import blocks, facts, measures, place
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen

@@ -9,7 +9,7 @@ from settings import CUT, SPARSE, STRAIN, make_setting, place
 from turbine import STEP, make, streams
 
 from owtsweep.errors import InputError
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.tower.measuring import add_errors, take_signals
 from owtsweep.studies.tower.models import model_cut, respond_statically
 from owtsweep.studies.tower.schemes import SCHEMES

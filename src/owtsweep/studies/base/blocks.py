@@ -20,9 +20,8 @@ from owtsweep.results.superposition import PRODUCTS
 from owtsweep.statistics.deciding import FIRST
 from owtsweep.studies.base.axes import Axes, Cell, World, make_worlds
 from owtsweep.studies.base.contest import WINDOW
-from owtsweep.studies.base.contract import NotFinite, Ready, Unable
 from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart, Batch, F, Judgement, Means
-from owtsweep.studies.base.schemes import AnyScheme
+from owtsweep.studies.base.schemes import AnyScheme, NotFinite, Ready, Unable
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from owtsweep.config import Config as Keys
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.results.status import OK
 from owtsweep.studies.base.axes import Axes, Cell, Untold
-from owtsweep.studies.base.contract import Part
-from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.base.schemes import Part, SchemeTable
 
 Config = TypeVar("Config", bound=Keys)
 Truth = TypeVar("Truth")

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base import contract
-from owtsweep.studies.base.contract import Knowledge
+from owtsweep.studies.base import schemes
+from owtsweep.studies.base.schemes import Knowledge
 from owtsweep.studies.blade.sections import DOF, Freedom
 from owtsweep.studies.blade.tuning import Tuning
 
@@ -201,11 +201,11 @@ class Estimates:
     boom: Array | None = None
 
 
-class Scheme(contract.Scheme[Setting, Measured, Estimates]):
+class Scheme(schemes.Scheme[Setting, Measured, Estimates]):
     """A scheme of the blade study."""
 
     study = "blade"
 
 
-class Direct(contract.Direct[Setting, Measured, Estimates], Scheme):
+class Direct(schemes.Direct[Setting, Measured, Estimates], Scheme):
     """A scheme by its name, and by what makes it ready for a setting."""

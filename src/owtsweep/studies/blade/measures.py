@@ -16,7 +16,7 @@ from owtsweep.estimation.inertial.angles import find_angles
 from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.contract import NotFinite
+from owtsweep.studies.base.schemes import NotFinite
 from owtsweep.studies.blade.boom import find_boom_error
 from owtsweep.studies.blade.contract import Estimates, Truth
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base import contract
-from owtsweep.studies.base.contract import Knowledge
+from owtsweep.studies.base import schemes
+from owtsweep.studies.base.schemes import Knowledge
 from owtsweep.studies.floater.tuning import Tuning
 
 __all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
@@ -127,11 +127,11 @@ class Estimates:
     latency: float = 0.0
 
 
-class Scheme(contract.Scheme[Setting, Measured, Estimates]):
+class Scheme(schemes.Scheme[Setting, Measured, Estimates]):
     """A scheme of the floater study."""
 
     study = "floater"
 
 
-class Direct(contract.Direct[Setting, Measured, Estimates], Scheme):
+class Direct(schemes.Direct[Setting, Measured, Estimates], Scheme):
     """A scheme by its name, and by what makes it ready for a setting."""

@@ -12,8 +12,8 @@ from owtsweep.config import Plain
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell, Departure, Untold
-from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.schemes import Part
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting

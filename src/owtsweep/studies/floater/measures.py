@@ -12,7 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.signals import divide, find_lag
 from owtsweep.results.criteria import Criterion
 from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.contract import NotFinite
+from owtsweep.studies.base.schemes import NotFinite
 from owtsweep.studies.floater.contract import DOF, Estimates, Truth
 
 #: Criteria of the maps.

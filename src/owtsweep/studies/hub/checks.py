@@ -13,8 +13,7 @@ from math import prod
 from owtsweep.config.section import fields_along
 from owtsweep.errors import require
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.listed import SCHEMES, list_baselines, resolve_all
+from owtsweep.studies.hub.contract import SCHEMES, Scheme, list_baselines, resolve_all
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK, count_records_per_block
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.worlds import find_world, require_spectrum

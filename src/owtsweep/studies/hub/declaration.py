@@ -11,7 +11,6 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.results.conditions import Value
-from owtsweep.studies.base.contract import NotFinite, Part
 from owtsweep.studies.base.declaration import (
     AnyDeclaration,
     Batch,
@@ -21,10 +20,10 @@ from owtsweep.studies.base.declaration import (
     Shown,
     Stated,
 )
+from owtsweep.studies.base.schemes import NotFinite, Part
 from owtsweep.studies.hub.batch import know, run_batch, uses_kernels
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known, Scheme
-from owtsweep.studies.hub.listed import SCHEMES
+from owtsweep.studies.hub.contract import SCHEMES, Known, Scheme
 from owtsweep.studies.hub.measures import from_trajectories
 from owtsweep.studies.hub.records import Records, count_records_per_block, make_records_at
 from owtsweep.studies.hub.sensors import Measured, observe

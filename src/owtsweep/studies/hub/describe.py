@@ -21,7 +21,7 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.regret import SUMMARY
 from owtsweep.results.verdicts import Asked, count_cells
 from owtsweep.studies.hub.config import HubConfig, SensorConfig
-from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
+from owtsweep.studies.hub.contract import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.measures import CRITERIA, JUDGED, MEASURES
 from owtsweep.studies.hub.tuning_rules import take_facts
 from owtsweep.studies.hub.worlds import find_world, list_departing

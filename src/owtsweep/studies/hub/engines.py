@@ -26,6 +26,13 @@ from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import (
+    REGISTERED,
+    SCHEMES,
+    list_baselines,
+    resolve_all,
+    scheme_names,
+)
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
     ask,
@@ -40,13 +47,6 @@ from owtsweep.studies.hub.describe import (
 )
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
-from owtsweep.studies.hub.listed import (
-    REGISTERED,
-    SCHEMES,
-    list_baselines,
-    resolve_all,
-    scheme_names,
-)
 from owtsweep.studies.hub.measures import JUDGED, criteria
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
 from owtsweep.studies.hub.worlds import BOUNDARY, FRICTION_ANGLE, World, find_world, list_maps

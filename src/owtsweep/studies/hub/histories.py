@@ -13,8 +13,7 @@ from owtsweep.results.conditions import Value
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve_all
+from owtsweep.studies.hub.contract import Known, resolve_all
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.sensors import Sensors, simulate_bias
 from owtsweep.studies.hub.worlds import PLANT, find_world

@@ -10,9 +10,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.studies.hub.config import Grid, HubConfig
-from owtsweep.studies.hub.contract import Known, Scheme
+from owtsweep.studies.hub.contract import (
+    BASELINES,
+    INSTEAD,
+    SCHEMES,
+    Known,
+    Scheme,
+    resolve,
+    resolve_all,
+)
 from owtsweep.studies.hub.kernels.layout import WIDTH
-from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
 from owtsweep.studies.hub.measures import JUDGED
 from owtsweep.studies.hub.sensors import ForceNoise, Sensors, fix_count, fix_noise, simulate_bias
 from owtsweep.studies.hub.sensors import sensors as make_sensors

@@ -12,7 +12,7 @@ from owtsweep.errors import require
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.studies.hub import kernels
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
+from owtsweep.studies.hub.contract import SCHEMES, describe, resolve_all
 from owtsweep.studies.hub.worlds import find_world, list_departing, list_untold, require_spectrum
 from owtsweep.sweep.study import Engine, Lever, Study, Tuned, Varied, add_versions, double, halve
 

@@ -24,10 +24,10 @@ from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.base.varying.errors import Errors
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import BASELINES, list_baselines, resolve_all, scheme_names
 from owtsweep.studies.hub.describe import list_sensors, make_cube, tell_not_asked, tell_window
 from owtsweep.studies.hub.expected.answers import RESOLUTION, expect
 from owtsweep.studies.hub.expected.engine import rows
-from owtsweep.studies.hub.listed import BASELINES, list_baselines, resolve_all, scheme_names
 from owtsweep.studies.hub.measures import criteria
 from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
 from owtsweep.studies.hub.worlds import require_spectrum

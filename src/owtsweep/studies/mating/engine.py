@@ -13,9 +13,9 @@ from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import UNABLE
 from owtsweep.studies.base.blocks import Labels, Planned, PlanPart, explain, make_rows, plan_blocks
 from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.base.declaration import Judgement
 from owtsweep.studies.base.engine import ContestEngine
+from owtsweep.studies.base.schemes import NotFinite
 from owtsweep.studies.base.study import ContestStudy
 from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.evaluation.measures import average_nees, compute_rms_length
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
-from owtsweep.studies.base.contract import NotFinite
+from owtsweep.studies.base.schemes import NotFinite
 from owtsweep.studies.mating.config import Limits
 from owtsweep.studies.mating.joining import Relative
 

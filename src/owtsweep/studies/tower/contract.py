@@ -9,8 +9,8 @@ from typing import Literal
 from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
-from owtsweep.studies.base import contract
-from owtsweep.studies.base.contract import Knowledge
+from owtsweep.studies.base import schemes
+from owtsweep.studies.base.schemes import Knowledge
 from owtsweep.studies.tower.tuning import Tuning
 
 __all__ = ["DIRECTIONS", "INPUTS", "Estimates", "Scheme", "Setting"]
@@ -112,14 +112,14 @@ class Estimates:
     latency: float = 0.0
 
 
-class Scheme(contract.Scheme[Setting, Array, Estimates]):
+class Scheme(schemes.Scheme[Setting, Array, Estimates]):
     """A scheme of the tower study; measurements have the shape (steps, channels)."""
 
     study = "tower"
 
 
 @dataclass(frozen=True)
-class Direct(contract.Direct[Setting, Array, Estimates], Scheme):
+class Direct(schemes.Direct[Setting, Array, Estimates], Scheme):
     """A scheme by its name, by what makes it ready for a setting, and by the axes it ignores."""
 
     ignores: Sequence[str] = ()

@@ -16,8 +16,8 @@ from owtsweep.config import Plain
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell, Departure, Untold
-from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.schemes import Part
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, name_channel
 from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.config import TowerConfig

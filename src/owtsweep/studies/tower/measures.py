@@ -22,7 +22,7 @@ from owtsweep.evaluation.signals import (
 )
 from owtsweep.results.criteria import Criterion
 from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equivalent_range
-from owtsweep.studies.base.contract import NotFinite
+from owtsweep.studies.base.schemes import NotFinite
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Kind
 from owtsweep.studies.tower.setting import Substructure

@@ -14,7 +14,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.estimation.observability import Observability
-from owtsweep.studies.base.contract import Unable, identify
+from owtsweep.studies.base.schemes import Unable, identify
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting
 from owtsweep.studies.tower.measuring import list_places

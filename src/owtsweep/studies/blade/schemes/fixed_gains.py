@@ -19,7 +19,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.double_integration import PADDING, integrate_twice, pass_high
 from owtsweep.estimation.inertial.complementary import blend_fixes, place_poles
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.base.contract import ByFunction, Unable
+from owtsweep.studies.base.schemes import ByFunction, Unable
 from owtsweep.studies.blade.boom import estimate_boom
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import begin, locate_root, make_record

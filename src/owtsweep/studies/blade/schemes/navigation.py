@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.strapdown import ERRORS, STATES, Record
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 
 

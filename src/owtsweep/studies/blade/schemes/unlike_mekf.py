@@ -16,7 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.invariant import filter_invariant
 from owtsweep.estimation.inertial.strapdown import ERRORS
 from owtsweep.estimation.inertial.unscented import filter_unscented
-from owtsweep.studies.base.contract import ByFunction
+from owtsweep.studies.base.schemes import ByFunction
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import Found, begin, make_record, make_room, report
 

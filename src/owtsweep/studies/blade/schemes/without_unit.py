@@ -15,7 +15,7 @@ import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.sensing.faults import hold_last
-from owtsweep.studies.base.contract import ByFunction, Unable
+from owtsweep.studies.base.schemes import ByFunction, Unable
 from owtsweep.studies.blade.contract import PRISMS, ROOT, Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import require_antennas
 

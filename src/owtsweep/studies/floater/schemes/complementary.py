@@ -13,7 +13,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.complementary import blend_acceleration, blend_rate, place_poles
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import ANGLES, part_columns, read_inputs
 from owtsweep.studies.floater.schemes.printed import find_start

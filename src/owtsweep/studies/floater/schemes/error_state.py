@@ -14,7 +14,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.reports import filter_body
 from owtsweep.estimation.inertial.strapdown import STATES
 from owtsweep.estimation.kinematic_filter import snap
-from owtsweep.studies.base.contract import ByFunction, Unable
+from owtsweep.studies.base.schemes import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import find_age, keep_reports
 

@@ -22,7 +22,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
 from owtsweep.sensing.faults import hold_last
-from owtsweep.studies.base.contract import ByFunction, Unable
+from owtsweep.studies.base.schemes import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import keep_reports
 from owtsweep.studies.floater.schemes.printed import find_start

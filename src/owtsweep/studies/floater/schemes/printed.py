@@ -25,7 +25,7 @@ from owtsweep.estimation.kinematic_predictor import (
     predict_varying,
     solve_steady,
 )
-from owtsweep.studies.base.contract import ByFunction, Unable
+from owtsweep.studies.base.schemes import ByFunction, Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import ANGLES, part_columns, read_inputs
 

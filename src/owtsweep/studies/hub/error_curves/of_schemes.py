@@ -13,10 +13,9 @@ from owtsweep.io.cache import cached
 from owtsweep.motion.spectra import Spectrum, lines
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import SCHEMES, Known, resolve
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.known_motion import peak_factors
-from owtsweep.studies.hub.listed import SCHEMES, resolve
 from owtsweep.studies.hub.sensors import Sensors
 
 

@@ -20,8 +20,8 @@ from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import judge_exactly
 from owtsweep.statistics.contest import Contest, contest
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import list_baselines
 from owtsweep.studies.hub.describe import ask, make_cube
-from owtsweep.studies.hub.listed import list_baselines
 from owtsweep.studies.hub.measures import JUDGED, criteria
 
 if TYPE_CHECKING:

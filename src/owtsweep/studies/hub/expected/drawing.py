@@ -16,10 +16,10 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.studies.hub import describe
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import list_baselines, scheme_names
 from owtsweep.studies.hub.describe import MEANING, describe_origin
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.figures import listing
-from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.measures import criteria
 from owtsweep.studies.hub.schemes.skf import SCHEME
 from owtsweep.studies.hub.worlds import AMPLITUDE, CONDITIONS, NATURAL_PERIOD

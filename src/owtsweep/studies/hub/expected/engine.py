@@ -18,6 +18,7 @@ from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import SCHEMES, resolve_all
 from owtsweep.studies.hub.error_curves.of_schemes import (
     EXPECTED_VERSION,
     curves_of,
@@ -26,7 +27,6 @@ from owtsweep.studies.hub.error_curves.of_schemes import (
 )
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.known_motion import RECORDS, factor_at, ladder
-from owtsweep.studies.hub.listed import SCHEMES, resolve_all
 from owtsweep.studies.hub.worlds import list_content
 from owtsweep.sweep.study import Block
 

@@ -17,7 +17,7 @@ from owtsweep.figures import style
 from owtsweep.figures.plane import Plane
 from owtsweep.studies.hub.bounds.cells import WINDOW
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import list_baselines, scheme_names
+from owtsweep.studies.hub.contract import list_baselines, scheme_names
 from owtsweep.studies.hub.worlds import CONDITIONS, find_world
 
 NAME = "efficiency"

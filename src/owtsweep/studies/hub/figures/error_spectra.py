@@ -20,9 +20,8 @@ from owtsweep.figures.palette import style_of
 from owtsweep.studies.base.schemes import StoredScheme
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.contract import Known, resolve_all
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
-from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
 
 #: Points of a curve, evenly spaced in log frequency.

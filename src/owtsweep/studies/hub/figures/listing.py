@@ -14,6 +14,7 @@ from owtsweep.results.conditions import Value, select
 from owtsweep.results.status import FAILED
 from owtsweep.results.summary import summarise
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import list_baselines, scheme_names
 from owtsweep.studies.hub.describe import (
     describe_origin,
     find_alike,
@@ -22,7 +23,6 @@ from owtsweep.studies.hub.describe import (
     make_cube,
     tell_window,
 )
-from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.measures import JUDGED
 from owtsweep.studies.hub.worlds import find_world, list_maps
 

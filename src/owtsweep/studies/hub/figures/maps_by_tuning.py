@@ -23,8 +23,8 @@ from owtsweep.figures.plane import Plane
 from owtsweep.figures.style import HANDLERS
 from owtsweep.results.answer import tell_counts
 from owtsweep.results.conditions import Value, select
+from owtsweep.studies.hub.contract import list_baselines, scheme_names
 from owtsweep.studies.hub.describe import describe_origin, find_alike, find_winners, tell_window
-from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.measures import JUDGED
 from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.gather import Results

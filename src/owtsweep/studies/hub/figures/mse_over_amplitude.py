@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from owtsweep.figures import curves, style
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import BASELINES, list_baselines, scheme_names
+from owtsweep.studies.hub.contract import BASELINES, list_baselines, scheme_names
 from owtsweep.studies.hub.worlds import AMPLITUDE, NATURAL_PERIOD
 
 #: The panels: measure -> label of its axis.

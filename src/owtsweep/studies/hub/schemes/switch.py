@@ -17,8 +17,7 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.evaluation.loop import RecordEstimator, run_steps
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import ZERO, Estimator, Known, Scheme
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.contract import ZERO, Estimator, Known, Scheme, resolve
 from owtsweep.studies.hub.switching.boundary import check_switch, compute_boundary, read_boundary
 from owtsweep.studies.hub.switching.supervisor import SeaWatch, Supervisor, error_variances
 

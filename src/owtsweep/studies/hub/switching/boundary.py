@@ -15,7 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import LISTED, resolve, under
+from owtsweep.studies.hub.contract import LISTED, resolve, under
 from owtsweep.studies.hub.scheme_sections import Switch
 
 #: Number of frequencies in the band at which a computed boundary is tabulated.

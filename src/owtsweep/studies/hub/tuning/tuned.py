@@ -13,9 +13,8 @@ from owtsweep.io.terminal import start_table
 from owtsweep.studies.base.tuning.tuned import Gain, compare, dump_tuning, require_other_seed
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.contract import Scheme, resolve_all
 from owtsweep.studies.hub.describe import describe_truth
-from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.tuning.search import amplitudes, errors_on_records, find_space, search
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.input_state import Filter
 from owtsweep.estimation.lagged import Lagged
 from owtsweep.estimation.observability import Observability, find_unobservable
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import WAVE, Model
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from owtsweep.estimation.dual import make_dual
 from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
 from owtsweep.estimation.input_state import Filter
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.tower.contract import SOIL, Setting
 from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import FilterScheme, find_noise

@@ -27,7 +27,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from owtsweep.arrays import Array
 from owtsweep.structures.reduction import reduce_held
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.tower.contract import Direct, Estimates, Setting
 from owtsweep.studies.tower.models import (
     balance_loads,

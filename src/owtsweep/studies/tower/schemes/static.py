@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import Unable
 from owtsweep.studies.tower.contract import SOIL, Channel, Direct, Estimates, Setting
 from owtsweep.studies.tower.models import (
     decompose,
