@@ -24,7 +24,7 @@ from owtsweep.io.cache import Kept
 from owtsweep.process import keep_freed_memory
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.blocks import DeclaredBlocks
-from owtsweep.studies.hub.declaration import find_declaration
+from owtsweep.studies.hub.engines import find_declaration
 from owtsweep.studies.hub.schemes import chained
 from owtsweep.sweep.run import sweep
 

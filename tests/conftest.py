@@ -106,7 +106,7 @@ def kernels() -> None:
     """Compile the hub study's kernels (or load them from numba's cache) once per session."""
     from owtsweep.studies import compose
     from owtsweep.studies.base.blocks import DeclaredBlocks
-    from owtsweep.studies.hub.declaration import find_declaration
+    from owtsweep.studies.hub.engines import find_declaration
 
     small = [
         "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",

@@ -20,7 +20,7 @@ from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Known, Scheme
-from owtsweep.studies.hub.declaration import find_declaration
+from owtsweep.studies.hub.engines import find_declaration
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.sensors import Measured, Sensors, observe
 from owtsweep.sweep.study import Block

@@ -92,7 +92,7 @@ CHANGED: dict[str, dict[str, object]] = {
 def make(study: str, *words: str) -> tuple[AnyDeclaration, Any]:
     config: Any = compose([f"study={study}", *SHORT[study], "grid.replicates=1", *words])
     if study == "hub":
-        from owtsweep.studies.hub.declaration import find_declaration
+        from owtsweep.studies.hub.engines import find_declaration
 
         return find_declaration(config), config
     return get_study(study).declaration(), config  # type: ignore[attr-defined]

@@ -12,7 +12,7 @@ from tools import configure
 from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.declaration import find_declaration
+from owtsweep.studies.hub.engines import find_declaration
 
 PRODUCTS = ["motion", "cross", "noise", "value"]
 ALL = ("schemes=[EKF,MKF,HME1,HME2]", "baselines=[NONE,HOLD,DELTA]")

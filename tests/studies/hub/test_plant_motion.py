@@ -23,7 +23,7 @@ from owtsweep.config import Config, with_values
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.declaration import find_declaration
+from owtsweep.studies.hub.engines import find_declaration
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.records import Records, make_records_at

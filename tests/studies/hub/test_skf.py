@@ -18,7 +18,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import spectral_model
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, resolve
-from owtsweep.studies.hub.declaration import superposes
+from owtsweep.studies.hub.engines import superposes
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
 from owtsweep.studies.hub.histories import simulate_histories

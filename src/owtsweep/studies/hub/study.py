@@ -96,7 +96,7 @@ class HubStudy(HubKeys):
     def check_over(self, config: HubConfig) -> None:
         from owtsweep.studies.base.axes import check_over
         from owtsweep.studies.hub.checks import check_truth
-        from owtsweep.studies.hub.declaration import find_declaration
+        from owtsweep.studies.hub.engines import find_declaration
 
         if config.over is None:
             return
@@ -129,7 +129,7 @@ class HubStudy(HubKeys):
     def estimate(self, config: HubConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""
         from owtsweep.studies.base.estimating import estimate_record
-        from owtsweep.studies.hub.declaration import find_declaration
+        from owtsweep.studies.hub.engines import find_declaration
 
         return estimate_record(find_declaration(config), config, replicate)
 

@@ -26,8 +26,8 @@ from owtsweep.studies.base.searching import Space, Trial, attempt
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme, resolve
-from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.describe import make_cube
+from owtsweep.studies.hub.engines import find_declaration
 from owtsweep.studies.hub.error_curves.curves import curves
 from owtsweep.studies.hub.error_curves.of_schemes import motion_of, noise_of
 from owtsweep.studies.hub.tuning_rules import compute_numbers, take_facts
