@@ -23,8 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import SpectralSource, translated
+from owtsweep.motion.source import Motion, SpectralSource, translated
 from owtsweep.streams import stream
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.files import MOTION, SENSORS, find_data

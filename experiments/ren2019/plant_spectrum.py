@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from experiments.command import read_words, show, write
-from owtsweep.motion.spectra import translated
+from owtsweep.motion.source import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
 from owtsweep.studies import compose

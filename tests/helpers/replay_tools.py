@@ -14,7 +14,7 @@ import pytest
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.motion.spectra import SpectralSource, translated
+from owtsweep.motion.source import SpectralSource, translated
 from owtsweep.studies import compose
 from owtsweep.studies.hub.public import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig

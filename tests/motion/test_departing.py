@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from owtsweep.motion.departing import Modulation, PacedSource, PeakSum, StretchedSource, rescale
-from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import SpectralSource, translated
+from owtsweep.motion.source import Motion, SpectralSource, translated
 from owtsweep.streams import stream
 
 STEP, STEPS, BAND = 0.01, 30_000, (0.05, 0.6)

@@ -9,8 +9,7 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.motion.departing import AT_ONCE, ModulatedSource, Modulation
-from owtsweep.motion.source import Motion, Source
-from owtsweep.motion.spectra import SpectralSource, translated
+from owtsweep.motion.source import Motion, Source, SpectralSource, translated
 from owtsweep.streams import stream
 
 STEP = 0.01

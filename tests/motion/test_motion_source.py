@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from owtsweep.motion.departing import ModulatedSource, Modulation
-from owtsweep.motion.source import Motion, Source
-from owtsweep.motion.spectra import SpectralSource, translated
+from owtsweep.motion.source import Motion, Source, SpectralSource, translated
 from owtsweep.testing import check_source
 
 SPECTRAL = SpectralSource(translated(4.0), (0.05, 0.6))

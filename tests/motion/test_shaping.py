@@ -8,7 +8,7 @@ from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import freqs, residue
 
 from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
-from owtsweep.motion.spectra import translated
+from owtsweep.motion.source import translated
 
 FREQUENCY = (np.arange(1200) + 0.5) * 2e-3
 INSIDE = (FREQUENCY > 0.05) & (FREQUENCY < 0.6)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import Spectrum, printed, translated
+from owtsweep.motion.source import Spectrum, printed, translated
 from owtsweep.studies.hub.config import SpectrumConfig
 
 #: b and c as Table 4 prints them.

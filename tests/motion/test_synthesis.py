@@ -12,8 +12,7 @@ from scipy.integrate import quad
 from scipy.stats import kstest
 
 from owtsweep.errors import InputError
-from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import SpectralSource, Spectrum, lines, translated
+from owtsweep.motion.source import Motion, SpectralSource, Spectrum, lines, translated
 from owtsweep.streams import stream
 
 BAND = (0.05, 0.6)

@@ -16,7 +16,7 @@ from owtsweep.motion.candidates import (
     Stretch,
     pick,
 )
-from owtsweep.motion.spectra import translated
+from owtsweep.motion.source import translated
 from owtsweep.motion.tracking import GAIN, MISSED, SpectrumTracker
 
 STEP, SIGMA, BAND = 0.02, 0.15, (0.05, 0.6)

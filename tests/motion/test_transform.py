@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from owtsweep.motion.spectra import LEAST, SHORT, interleaved
+from owtsweep.motion.source import LEAST, SHORT, interleaved
 
 #: Whole numbers of every kind: a default record's, a power of two, few divisors, twice a prime.
 LENGTHS = [400_000, 2**17, 2 * 3 * 30_011, 2 * 99_991, 2400]

@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 
 from owtsweep.errors import InputError
 from owtsweep.motion import whittle
-from owtsweep.motion.spectra import SpectralSource, Spectrum, translated
+from owtsweep.motion.source import SpectralSource, Spectrum, translated
 from owtsweep.motion.whittle import fit, periodogram
 from owtsweep.streams import stream
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.ordinates import add_up
-from owtsweep.motion.spectra import translated
+from owtsweep.motion.source import translated
 
 #: Natural periods (s), squared half-bandwidths (s^-2) and variances (m^2) of the peaks. At 3.5 s,
 #: neighbouring periods are as far apart as the narrowest peak is wide.

@@ -17,8 +17,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
-from owtsweep.motion.source import DerivedSource, Motion
-from owtsweep.motion.spectra import Normalise, Spectrum, find_size
+from owtsweep.motion.source import DerivedSource, Motion, Normalise, Spectrum, find_size
 from owtsweep.streams import Streams
 
 #: Number of steps that are modulated at once, so that long records need no second copy.

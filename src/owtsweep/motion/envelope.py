@@ -17,7 +17,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion import whittle
 from owtsweep.motion.plant import Plant, draw_forces, respond
-from owtsweep.motion.spectra import interleaved
+from owtsweep.motion.source import interleaved
 from owtsweep.streams import Streams
 from owtsweep.structures import Modes, Structure
 from owtsweep.waves import Sea

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
-from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import interleaved
+from owtsweep.motion.source import Motion, interleaved
 from owtsweep.streams import Streams
 from owtsweep.structures import Modes, Structure, compute_modes
 from owtsweep.waves import Cylinder, Sea, drag_force, draw_waves, inertia_force

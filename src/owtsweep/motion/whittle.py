@@ -16,7 +16,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import Spectrum
+from owtsweep.motion.source import Spectrum
 
 #: The default band, Hz: that of waves and of the first bending mode of a support structure.
 BAND = (0.05, 0.6)

@@ -12,7 +12,7 @@ from tools import SMALL, configure
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.io import cache
-from owtsweep.motion.spectra import SpectralSource, lines, translated
+from owtsweep.motion.source import SpectralSource, lines, translated
 from owtsweep.streams import stream
 from owtsweep.studies.hub import batch, estimates, known_motion
 from owtsweep.studies.hub import sensors as sensing

@@ -9,7 +9,7 @@ import pytest
 
 from experiments.better import roll_off
 from owtsweep import InputError
-from owtsweep.motion.spectra import SpectralSource, translated
+from owtsweep.motion.source import SpectralSource, translated
 from owtsweep.studies import compose
 from owtsweep.studies.hub.known_motion import find_known_motion
 from owtsweep.studies.hub.known_motion import find_noise_density as find_noise

@@ -131,7 +131,7 @@ def test_fixes_without_delay_are_foreseen_by_the_step_before(tmp_path):
 
 def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
     """End to end: file, grid, sensors, scheme, errors against the expectation without records."""
-    from owtsweep.motion.spectra import translated
+    from owtsweep.motion.source import translated
     from owtsweep.studies.hub.public import expected_mse
 
     path = motion_file(tmp_path / "a.csv", duration=1000.0, rms=0.5, period=5.0)

@@ -16,7 +16,7 @@ from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section
 from owtsweep.config.grid import Records
 from owtsweep.config.section import require_magnitude
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.motion.spectra import Spectrum, printed, translated
+from owtsweep.motion.source import Spectrum, printed, translated
 from owtsweep.structures import Structure
 from owtsweep.structures.description import ANGLES
 from owtsweep.studies.base.schemes import SchemeEntries

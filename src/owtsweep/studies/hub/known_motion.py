@@ -17,7 +17,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.io.cache import cached
-from owtsweep.motion.spectra import SpectralSource
+from owtsweep.motion.source import SpectralSource
 from owtsweep.streams import stream
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import Sensors

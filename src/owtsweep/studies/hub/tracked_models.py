@@ -16,7 +16,7 @@ from owtsweep.config import changed
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.candidates import VARIANCES, Candidate, Sea
 from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
-from owtsweep.motion.spectra import translated
+from owtsweep.motion.source import translated
 from owtsweep.studies.hub.known_motion import find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors

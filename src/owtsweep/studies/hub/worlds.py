@@ -30,8 +30,7 @@ from owtsweep.motion.departing import (
     StretchedSource,
 )
 from owtsweep.motion.plant import HIGHEST, Plant
-from owtsweep.motion.source import Source
-from owtsweep.motion.spectra import SpectralSource, line_numbers
+from owtsweep.motion.source import Source, SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.structures import Structure
 from owtsweep.studies.base.axes import Axes, Departure, Untold, Values

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.spectra import Spectrum, translated
+from owtsweep.motion.source import Spectrum, translated
 from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig

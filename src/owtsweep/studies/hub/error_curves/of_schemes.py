@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.io.cache import cached
-from owtsweep.motion.spectra import Spectrum, lines
+from owtsweep.motion.source import Spectrum, lines
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import SCHEMES, Known, resolve

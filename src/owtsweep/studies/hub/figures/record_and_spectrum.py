@@ -16,7 +16,7 @@ from scipy.signal import welch
 from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
-from owtsweep.motion.spectra import Spectrum, translated
+from owtsweep.motion.source import Spectrum, translated
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import MEANING
 from owtsweep.studies.hub.histories import make_record
