@@ -13,40 +13,33 @@ import numpy as np
 import owtsweep
 from owtsweep.studies import get_study
 
-TINY = ("grid=small", "record.duration=50")
 #: Kernels are compiled anew for each number of series that run side by side.
-RUNS = (
+HUB = (
     ("grid.replicates=1",),
-    ("grid.replicates=2", "name=two"),
-    ("grid.replicates=1", "evaluation=direct", "name=direct"),
-    ("grid.replicates=1", "engine=expected", "name=expected"),
+    ("grid.replicates=2",),
+    ("grid.replicates=8", "schemes=[HME1]"),
+    ("grid.replicates=1", "evaluation=direct"),
+    ("grid.replicates=1", "engine=expected"),
+    ("grid.replicates=1", "schemes=[SKF,SKFA,SWITCH]"),
+    ("schemes=[SKF]", "engine=expected", "measures.settling_time=5", "measures.window=settled"),
 )
-#: One cell of the studies whose schemes have kernels of their own.
-CELLS = {
-    "floater": ("grid.delay=[2]", "grid.bias=[0.1]", "record.duration=60", "record.settling=20"),
-    "blade": ("grid.sigma=[0.006]", "grid.outage=[10]", "experiment=quick"),
-}
-
-
-def online() -> None:
-    owtsweep.online("HME2", []).update(np.zeros(2), np.zeros(2))
-
-
-def studies() -> None:
-    with tempfile.TemporaryDirectory() as results:
-        for words in RUNS:
-            owtsweep.run([*TINY, *words, f"results={results}"])
-
-
-def declared() -> None:
-    with tempfile.TemporaryDirectory() as results:
-        for study, cell in CELLS.items():
-            schemes = f"schemes=[{','.join(get_study(study).schemes())}]"
-            words = (*cell, schemes, "grid.replicates=1", "compute=single", f"results={results}")
-            owtsweep.run([f"study={study}", *words])
+FLOATER = ("study=floater", "grid.delay=[2]", "grid.bias=[0.1]", "grid.replicates=1")
+FLOATER += ("record.duration=60", "record.settling=20", "compute=single")
+LARGE = "schemes=[ERROR_STATE,PASSIVE_OBSERVER,LOWPASS]"
+#: One cell of each study, or two, with the schemes that have kernels.
+RUNS = (
+    *(("grid=small", "record.duration=50", *words) for words in HUB),
+    (*FLOATER, f"schemes=[{','.join(get_study('floater').schemes())}]"),
+    (*FLOATER, LARGE, "grid.roll=[20]", "sensors.frame=body"),
+    ("study=blade", "grid.sigma=[0.006]", "grid.outage=[10]", "experiment=quick", "compute=single",
+     "grid.replicates=1", f"schemes=[{','.join(get_study('blade').schemes())}]"),
+    ("study=tower", "schemes=[AKF]", "grid.replicates=1", "record.duration=40",
+     "record.settling=10", "compute=single"),
+)  # fmt: skip
 
 
 if __name__ == "__main__":
-    online()
-    studies()
-    declared()
+    owtsweep.online("HME2", []).update(np.zeros(2), np.zeros(2))
+    with tempfile.TemporaryDirectory() as results:
+        for number, words in enumerate(RUNS):
+            owtsweep.run([*words, f"results={results}", f"name={number}"])

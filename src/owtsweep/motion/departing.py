@@ -141,7 +141,7 @@ class PacedSource(DerivedSource):
 
     The displacement is d(s(t)), where s' is the factor; its velocity is d' s' and its acceleration
     d'' s'^2 + d' s''. Before a record the factor is as at its start. `normalise` is as of
-    `synthesis.SpectralSource`.
+    `source.SpectralSource`.
     """
 
     pace: Modulation
@@ -171,7 +171,7 @@ class PacedSource(DerivedSource):
 class StretchedSource(DerivedSource):
     """A source whose time is stretched by a factor, and its size set as a spectrum's is.
 
-    `normalise` is as of `synthesis.SpectralSource`.
+    `normalise` is as of `source.SpectralSource`.
     """
 
     factor: float

@@ -4,7 +4,7 @@ A line is one frequency f_j of the record's periodogram; its height is I_j. Whit
 (Whittle, 1953) takes the heights as independent and exponentially distributed with the mean S(f_j).
 Minus the logarithm of the likelihood is the sum of log S(f_j) + I_j / S(f_j) over the lines inside
 a band. S is written with its peak frequency f* and its half-bandwidth sqrt(k) (see
-`spectra.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and b = -2 f* + k / f*. For
+`source.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and b = -2 f* + k / f*. For
 given f* and k the best a is the mean of I_j / (S(f_j) / a), so only f* and k are searched.
 """
 
