@@ -229,8 +229,8 @@ class Feed:
                     feeding.keep_rows(len(buffer) - lead, len(buffer), buffer)
             for rows, column, name in ((truth, 0, "position"), (truth, WIDTH, "velocity"),
                                        (apart, 0, "specific_force")):  # fmt: skip
-                sources = tuple(getattr(series, name) for series in motion)
-                feeding.gather(k0, stop - k0, lead, sources, rows, column)
+                sources = np.array([getattr(series, name)[k0:stop] for series in motion])
+                feeding.gather(lead, sources, rows, column)
             for lane, draw in enumerate(draws):
                 apart[lead : lead + stop - k0, WIDTH + lane :: WIDTH] = draw(stop - k0) @ to_ned
             if self.amplitude is not None:

@@ -11,15 +11,15 @@ from owtsweep.studies.hub.kernels.layout import WIDTH
 
 
 @njit
-def gather(first, count, lead, sources, rows, column):
-    """Copy the steps first ... first + count - 1 of up to eight series into columns of an array.
+def gather(lead, sources, rows, column):
+    """Copy up to eight series, shape (series, steps), into columns of an array.
 
-    `sources` are the series, shape (steps,) each. Series number i goes to column `column` + i of
-    `rows`; the step `first` goes to row `lead`.
+    Series number i goes to column `column` + i of `rows`; its first step goes to row `lead`.
     """
+    lanes, count = sources.shape
     for i in range(count):
-        for lane in range(len(sources)):
-            rows[lead + i, column + lane] = sources[lane][first + i]
+        for lane in range(lanes):
+            rows[lead + i, column + lane] = sources[lane, i]
 
 
 @njit
