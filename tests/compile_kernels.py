@@ -7,10 +7,12 @@ compile everything.
 from __future__ import annotations
 
 import tempfile
+from pathlib import Path
 
 import numpy as np
 
 import owtsweep
+from owtsweep.io import cache
 from owtsweep.studies import get_study
 
 #: Kernels are compiled anew for each number of series that run side by side.
@@ -41,5 +43,6 @@ RUNS = (
 if __name__ == "__main__":
     owtsweep.online("HME2", []).update(np.zeros(2), np.zeros(2))
     with tempfile.TemporaryDirectory() as results:
+        cache.folder = lambda: Path(results) / "cache"  # what is kept would spare a compilation
         for number, words in enumerate(RUNS):
             owtsweep.run([*words, f"results={results}", f"name={number}"])
