@@ -9,6 +9,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from owtsweep.errors import InputError
 from owtsweep.sweep.store import Store, encode
 
 KEY = "0" * 31 + "1"
@@ -66,6 +67,16 @@ def test_same_rows_make_the_same_file(store, rows):
 def test_missing_shard(store):
     assert store.read(OTHER) is None
     assert store.status(OTHER) == "missing"
+
+
+def test_a_shard_that_another_sweep_writes_meanwhile_needs_no_warning(store, caplog, monkeypatch):
+    def read_too_early(path, *_, **__):
+        path.write_bytes(b"whole a moment later")
+        raise InputError(f"{path}: there is no such file")
+
+    monkeypatch.setattr("owtsweep.sweep.store.read_bytes", read_too_early)
+    assert store.statuses("none") is None
+    assert not caplog.records
 
 
 def test_every_flipped_byte_is_seen(store, caplog):

@@ -168,6 +168,8 @@ class Store:
         warning if the shard is damaged or holds wrong rows.
         """
         path = self.path(key)
+        if not os.path.lexists(path):  # before it is read: another sweep may write it meanwhile
+            return None
         try:
             return look(read_bytes(path, MOST_BYTES, links=False), key, self.needed)
         except InputError as error:
