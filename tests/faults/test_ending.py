@@ -33,6 +33,7 @@ def main():
     get_reusable_executor(1).submit(subprocess.run, ["sleep", "60"])
     while True:
         try:
+            print("waits", flush=True)
             time.sleep(60)
         except KeyboardInterrupt:
             print("swallowed", flush=True)
@@ -106,6 +107,7 @@ def test_a_second_ctrl_c_ends_at_once_with_all_workers(tmp_path):
         [sys.executable, "-c", SWALLOWS], env=environment(), start_new_session=True, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     ) as process:  # fmt: skip
+        assert process.stdout.readline() == "waits\n"  # its worker may start later
         while len(members(process.pid)) < 4:  # the last of them sleeps
             time.sleep(0.02)
         os.kill(process.pid, signal.SIGINT)
