@@ -9,7 +9,8 @@ kernels were compiled before, by another process. A file counts if Python code o
 functions ran, at its import or later; what numba has compiled leaves no trace. The last line counts
 the files of a second case in this process, when all is imported and what is kept in memory serves.
 
-The files are listed in the order in which their functions are first called.
+The files are listed in the order in which their functions are first called. On the way from
+configuration to score are those of `ROOMS` that come before `AFTER`.
 """
 
 from __future__ import annotations
